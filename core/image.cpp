@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/image.h"
+
+#include <cassert>
+#include <cstring>
+
+namespace tessera {
+
+Image::Image(const Region& region, int planes, std::vector<float> data)
+    : region_(region), planes_(planes), data_(std::move(data)) {
+  assert(data_.size() == static_cast<std::size_t>(region.area()) * planes);
+}
+
+void paste(Image& target, const Image& source) {
+  assert(target.planes() == source.planes());
+  const Region both = intersect(target.region(), source.region());
+  if (both.empty()) return;
+  for (int p = 0; p < source.planes(); ++p)
+    for (int y = both.y0; y < both.y1; ++y) {
+      const auto from = source.row(p, y).subspan(both.x0 - source.region().x0, both.width());
+      std::copy(from.begin(), from.end(), target.row(p, y).begin() + (both.x0 - target.region().x0));
+    }
+}
+
+Image cropped(const Image& image, const Region& region) {
+  assert(image.region().contains(region));
+  Image part(region, image.planes());
+  paste(part, image);
+  return part;
+}
+
+bool same_bits(const Image& a, const Image& b) {
+  return a.region() == b.region() && a.planes() == b.planes() &&
+         std::memcmp(a.data().data(), b.data().data(), a.data().size_bytes()) == 0;
+}
+
+}  // namespace tessera

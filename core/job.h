@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a user asks for, as plain values.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/filter/filter.h"
+#include "core/region.h"
+
+namespace tessera {
+
+inline constexpr int kMaxEdge = 65536;  // pixels, width or height of a frame
+inline constexpr int kMaxBounces = 1024;
+
+// Which scene: where a worker may load it, and what it must then be.
+struct SceneRef {
+  std::string path;  // of the scene file
+  std::string hash;  // content hash of the loaded scene (hex), see scene/hash.h
+  bool operator==(const SceneRef&) const = default;
+};
+
+// Everything that decides the samples of a frame, besides the scene.
+struct RenderSettings {
+  Size size{960, 540};  // pixels of the whole frame
+  std::uint64_t seed = 0;
+  int max_bounces = 8;  // scatterings after the first hit; 0 = direct light only
+  std::string camera;   // name; empty = the scene's first
+  AovSet aovs{Aov::color};
+  bool operator==(const RenderSettings&) const = default;
+};
+
+// When a frame is good enough, and when to give up. See core/acceptance.h.
+struct AcceptanceRule {
+  std::optional<double> relmse;  // target of every cell and of the frame; none: render max_samples and stop
+  int first_samples = 16;        // of the first look; a power of two >= kLeafSamples
+  int max_samples = 4096;        // per pixel; a power of two multiple of first_samples
+  std::optional<double> max_seconds;  // of wall time, looked at when a round ends
+  bool operator==(const AcceptanceRule&) const = default;
+};
+
+struct Job {
+  SceneRef scene;
+  RenderSettings render;
+  int frame = 0;               // frame number; a coordinate of the randomness
+  std::optional<Region> crop;  // pixels; only these are rendered and written
+  FilterPlan filter;
+  AcceptanceRule acceptance;
+  Size tile{256, 256};         // inner size of the tiles in which the frame is filtered
+  int task_samples = 1 << 18;  // pixel samples a render task holds at most, if a leaf allows
+
+  Region region() const { return crop.value_or(Region{0, 0, render.size.width, render.size.height}); }
+  bool operator==(const Job&) const = default;
+};
+
+// Throws InputError that names the field, unless every number is in its range.
+void validate(const Job&);
+
+}  // namespace tessera

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/plan.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace tessera {
+
+std::vector<Tile> plan_tiles(const Job& job) { return tiles_over(job.region(), job.tile, job.filter.halo()); }
+
+std::vector<Region> plan_cells(const Job& job) { return grid_cells(job.region(), {kCellEdge, kCellEdge}); }
+
+std::vector<RenderTask> plan_render(const Job& job, const std::vector<int>& have,
+                                    const std::vector<int>& want) {
+  const std::vector<Region> cells = plan_cells(job);
+  assert(have.size() == cells.size() && want.size() == cells.size());
+  std::vector<RenderTask> tasks;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    for (const Region& piece : grid_cells(cells[i], job.tile)) {
+      const int most =
+          static_cast<int>(std::max<std::int64_t>(kLeafSamples, job.task_samples / piece.area()));
+      // One doubling at a time, so that every block is a node of the film's tree.
+      for (int n = have[i]; n < want[i];) {
+        const int next = n == 0 ? want[i] : 2 * n;
+        for (const SampleRange& samples : dyadic_blocks({n, next}, most)) tasks.push_back({piece, samples});
+        n = next;
+      }
+    }
+  }
+  return tasks;
+}
+
+}  // namespace tessera

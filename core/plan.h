@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a frame becomes tasks. Pure: fixed by the job and the sample counts wanted, never by who works or how
+// fast.
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "core/job.h"
+#include "core/task.h"
+
+namespace tessera {
+
+// The frame's tiles, with the halo of the job's filter.
+std::vector<Tile> plan_tiles(const Job&);
+
+// The cells of the job's region: the units of decision, in row-major order.
+std::vector<Region> plan_cells(const Job&);
+
+// The render tasks that bring each cell i from `have[i]` to `want[i]` samples (have == want: none). Pieces
+// are the intersections of cells and tiles, cut to dyadic sample ranges of at most job.task_samples pixel
+// samples.
+std::vector<RenderTask> plan_render(const Job&, const std::vector<int>& have, const std::vector<int>& want);
+
+}  // namespace tessera

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// The two kinds of work a worker is given, and what it answers.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+
+#include "core/film.h"
+#include "core/region.h"
+
+namespace tessera {
+
+using JobId = std::uint64_t;
+using TaskId = std::uint64_t;  // unique in a coordinator's life
+
+// Render `samples` of every pixel of `region`.
+struct RenderTask {
+  Region region;
+  SampleRange samples;
+  bool operator==(const RenderTask&) const = default;
+};
+
+// Filter `tile`; the film's sums over tile.outer travel along.
+struct FilterTask {
+  Tile tile;
+  int round = 0;
+  bool operator==(const FilterTask&) const = default;
+};
+
+struct Task {
+  TaskId id = 0;
+  JobId job = 0;
+  std::variant<RenderTask, FilterTask> work;
+  bool operator==(const Task&) const = default;
+};
+
+// The answer to a filter task: planes over tile.inner.
+//   0..2 the filter run on all samples   3..5 on half A   6..8 on half B
+inline constexpr int kFilteredPlanes = 9;
+using Filtered = Image;
+
+}  // namespace tessera

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// What coordinator and workers say to each other, as values. On the wire: one protobuf part (tessera.proto)
+// and, behind it, pixel payloads as parts of their own. See docs/PROTOCOL.md.
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/instant.h"
+#include "core/job.h"
+#include "core/task.h"
+
+namespace tessera {
+
+using WorkerId = std::string;  // chosen by the worker, new each time it starts; 1..64 printable characters
+using Attempt = std::uint32_t;
+
+inline constexpr int kProtocolVersion = 1;
+
+// Worker to coordinator.
+struct Hello {
+  int protocol = kProtocolVersion;
+  std::string version;       // of tessera
+  std::string device_class;  // unit within which bits are promised equal
+  int slots = 1;             // tasks it works on at a time
+};
+struct Heartbeat {};
+struct RenderDone {
+  TaskId task = 0;
+  Attempt attempt = 0;
+  Block block;                // sums travel as a part of their own
+  double seconds = 0;         // of work
+  std::uint64_t dropped = 0;  // samples that were NaN or infinite
+};
+struct FilterDone {
+  TaskId task = 0;
+  Attempt attempt = 0;
+  Filtered filtered;  // a part of its own
+  double seconds = 0;
+};
+struct TaskFailed {
+  TaskId task = 0;
+  Attempt attempt = 0;
+  std::string reason;
+  bool bad_input = false;  // a retry is useless: the scene or the job itself is wrong
+};
+struct Goodbye {};  // takes no more tasks; leases go back
+
+// Coordinator to worker.
+struct Welcome {
+  int protocol = kProtocolVersion;
+  Millis heartbeat{1000};  // say something at least this often
+};
+struct Refused {  // the worker must not come back as it is
+  std::string reason;
+};
+struct JobOffer {  // sent before the first task of a job
+  JobId id = 0;
+  Job job;
+};
+struct Assign {
+  Task task;
+  Attempt attempt = 0;
+  Image input;  // filter tasks: film sums over tile.outer, a part of its own; else empty
+};
+struct Revoke {  // stop, if still at it; no answer is wanted
+  TaskId task = 0;
+  Attempt attempt = 0;
+};
+struct JobOver {  // forget it; its scene may stay cached
+  JobId id = 0;
+};
+struct Unknown {};  // I do not know you (any more): say Hello again
+
+using Message = std::variant<Hello, Heartbeat, RenderDone, FilterDone, TaskFailed, Goodbye, Welcome, Refused,
+                             JobOffer, Assign, Revoke, JobOver, Unknown>;
+
+}  // namespace tessera

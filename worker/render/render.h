@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// The heart of a worker: pixels of a scene as sums. Each sample is a function of (scene, settings, frame,
+// pixel, sample index) and of nothing else, so any machine may render any part in any order.
+#pragma once
+
+#include <atomic>
+#include <memory>
+
+#include "core/film.h"
+#include "core/job.h"
+#include "core/scene/scene.h"
+
+namespace tessera {
+
+// A scene made ready for rays: acceleration structure, light and texture tables. Immutable, shared by
+// threads.
+class RenderScene;
+std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene>);
+
+struct Cancelled {};  // thrown by render() when `cancel` became true
+
+// The sums of `samples` over `region`. The unit of work is the aligned 4x4 block at one sample index, traced
+// whole; pixels outside `region` are dropped. Single-threaded; flush-to-zero is set while it runs.
+Block render(const RenderScene&, const RenderSettings&, int frame, const Region& region, SampleRange samples,
+             const std::atomic<bool>* cancel = nullptr);
+
+}  // namespace tessera
