@@ -2,6 +2,7 @@
 // OpenCL devices: which there are, one of them opened, programs built once per process with their build log.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>

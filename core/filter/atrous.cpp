@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// The edge-avoiding a-trous wavelet transform of Dammertz et al. 2010 (EAW).
+#include "core/filter/descriptions.h"
+
+namespace tessera {
+namespace {
+
+std::vector<Parameter> parameters() {
+  return {
+      levels_parameter("Dammertz et al. 2010, section 3"),
+      {"sigma_c", "illumination difference that stops the filter at level 0; halves with every level",
+       "radiance", "Dammertz et al. 2010, equation 4 (sigma_rt)", 1e-4, 1e4, 1.0},
+      {"sigma_n", "distance of unit normals that stops the filter at level 0; doubles with every level", "1",
+       "Dammertz et al. 2010, equation 4 (sigma_n)", 1e-3, 1e3, 0.128},
+      {"sigma_x",
+       "distance of surface points that stops the filter at level 0, in distances to the next pixel's point;"
+       " doubles with every level",
+       "pixel footprints",
+       "Dammertz et al. 2010, equation 4 (sigma_x), made independent of the scene's scale", 0.1, 1e4, 4.0},
+  };
+}
+
+std::vector<Channel> inputs() {
+  std::vector<Channel> all;
+  for (const Aov a : {Aov::color, Aov::emission, Aov::albedo, Aov::normal, Aov::position, Aov::depth})
+    for (const Channel& c : channels_of(a)) all.push_back(c);
+  return all;
+}
+
+}  // namespace
+
+FilterDescription describe_atrous() {
+  return {
+      "atrous",
+      "edge-avoiding a-trous wavelets, steered by colour, normal and position",
+      "H. Dammertz, D. Sewtz, J. Hanika, H. Lensch: Edge-Avoiding A-Trous Wavelet Transform for fast Global"
+      " Illumination Filtering, HPG 2010",
+      inputs(),
+      parameters(),
+      [](const ParameterValues& values) {
+        std::vector<Pass> passes;
+        append_levels(passes, "atrous_level", static_cast<int>(values.find("levels")->second));
+        return passes;
+      }};
+}
+
+}  // namespace tessera

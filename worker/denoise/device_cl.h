@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// A device as its runner sees it: kernels, buffers that are kept between calls, and one queue. Internal to
+// worker/denoise; the only header that shows OpenCL.
+#pragma once
+
+#define CL_HPP_ENABLE_EXCEPTIONS
+#define CL_HPP_MINIMUM_OPENCL_VERSION 120
+#define CL_HPP_TARGET_OPENCL_VERSION 120
+#include <CL/opencl.hpp>
+#include <map>
+#include <mutex>
+#include <span>
+#include <string_view>
+
+#include "worker/denoise/device.h"
+
+namespace tessera {
+
+class ClDevice : public Device {
+ public:
+  ClDevice(cl::Device device, DeviceInfo info);
+  const DeviceInfo& info() const override { return info_; }
+
+  // Held by whoever uses the members below.
+  std::mutex& mutex() { return mutex_; }
+
+  // Pixels a work-item handles at a time: the macro VW of the kernels.
+  int vector_width() const { return vector_width_; }
+  // The program of `source` behind kernels/common.cl, built on first use with `options`. Throws
+  // Error(internal_error) with the build log.
+  cl::Program& program(std::string_view source, const std::string& options = {});
+  // One work-item per row on a CPU, one per vector elsewhere; the work-group's shape never varies.
+  void run(cl::Kernel&, int width, int rows);
+  // Caller's memory as a buffer, without a copy where the device shares it. It must outlive the buffer.
+  cl::Buffer borrowed(std::span<const float>);
+  cl::Buffer borrowed(std::span<float>);
+  // Waits until all is done and `memory`, borrowed as `buffer`, holds what the kernels wrote.
+  void finish(cl::Buffer& buffer, std::span<float> memory);
+  void fill(cl::Buffer&, float value, std::size_t first, std::size_t count);
+
+  // Buffer number `slot` with room for `floats`, kept and only ever grown. `grew` tells that its content is
+  // new.
+  static constexpr int kSlots = 3;
+  cl::Buffer& workspace(int slot, std::size_t floats);
+  // What the workspace is laid out for now: whoever finds another value here prepares it anew.
+  std::string& workspace_layout() { return layout_; }
+
+ private:
+  cl::Device device_;
+  DeviceInfo info_;
+  cl::Context context_;
+  cl::CommandQueue queue_;
+  int vector_width_;
+  std::mutex mutex_;
+  std::map<std::string, cl::Program> programs_;  // by options and source
+  cl::Buffer workspace_[kSlots];
+  std::size_t room_[kSlots] = {};
+  std::string layout_;
+};
+
+// Turns an OpenCL failure into an Error that says what was being done.
+[[noreturn]] void rethrow(const cl::Error&, const DeviceInfo&);
+
+}  // namespace tessera

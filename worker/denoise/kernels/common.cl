@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every kernel shares: vectors of VW horizontally neighbouring pixels, padded planes, one exponential.
+//
+// Planes. A workspace plane holds the tile's outer region at (pad_x, pad_y), surrounded by a pad wider than any
+// pass reads. Guide plane 0 is +infinity in the pad and at every pixel that may not be a neighbour (sky, not
+// finite): it lies infinitely far away, so that its weight is exactly 0 without a test. The other planes are 0
+// there. A result is always stored as 0 where guide plane 0 is infinite, so the pad stays what it is.
+//
+// No arithmetic depends on where a pixel lies in a vector, a row or a tile: a tile's bits are the frame's.
+#pragma OPENCL FP_CONTRACT OFF
+
+#define JOIN2(a, b) a##b
+#define JOIN(a, b) JOIN2(a, b)
+
+#if VW == 1
+typedef float vf;
+typedef int vi;
+#define as_vf as_float
+#define as_vi as_int
+#define load(p) (*(p))
+#define store(v, p) (*(p) = (v))
+#else
+typedef JOIN(float, VW) vf;
+typedef JOIN(int, VW) vi;
+#define as_vf JOIN(as_float, VW)
+#define as_vi JOIN(as_int, VW)
+#define load(p) JOIN(vload, VW)(0, p)
+#define store(v, p) JOIN(vstore, VW)(v, 0, p)
+#endif
+
+// Channels beyond this count as not finite: nothing computed from smaller ones overflows into NaN.
+#define LARGEST 1e32f
+#define LOG2_E 1.44269504f
+
+// The bicubic B-spline's weights; the kernel is their outer product.
+constant float kB3[5] = {1.0f / 16, 1.0f / 4, 3.0f / 8, 1.0f / 4, 1.0f / 16};
+
+// 2^t for t <= 0. Relative error below 3e-7 for t >= -126; exactly 1 at 0; exactly 0 below -126.5 and at
+// -infinity. t = n + f with n whole, |f| <= 1/2: 2^n goes into the exponent bits, 2^f is a polynomial of degree 5
+// (Chebyshev interpolation of (2^f - 1) / f).
+vf exp2_of_negative(vf t) {
+  const vf lowest = -127.0f, to_integer = 12582912.0f;  // 1.5 * 2^23: the sum's low bits are n
+  t = t > lowest ? t : lowest;
+  const vf shifted = t + to_integer;
+  const vf f = t - (shifted - to_integer);
+  vf e = 1.33813021e-3f;
+  e = fma(e, f, (vf)9.66636837e-3f);
+  e = fma(e, f, (vf)5.55038117e-2f);
+  e = fma(e, f, (vf)2.40223497e-1f);
+  e = fma(e, f, (vf)6.93147182e-1f);
+  e = fma(e, f, (vf)1.0f);
+  return e * as_vf((as_vi(shifted) + 127) << 23);
+}
+
+vf luminance(vf r, vf g, vf b) { return fma((vf)0.2126f, r, fma((vf)0.7152f, g, 0.0722f * b)); }
+
+// 1 (all bits) where |x| is an ordinary number.
+vi ordinary(vf x) { return fabs(x) <= (vf)LARGEST; }
+
+// VW floats of a row of which only the first n are ours to read; the others become `rest`.
+vf load_first(global const float* p, int n, float rest) {
+  if (n >= VW) return load(p);
+  float lanes[VW];
+  for (int k = 0; k < VW; ++k) lanes[k] = k < n ? p[k] : rest;
+  return load(lanes);
+}
+
+void store_first(vf v, global float* p, int n) {
+  if (n >= VW) {
+    store(v, p);
+    return;
+  }
+  float lanes[VW];
+  store(v, lanes);
+  for (int k = 0; k < n; ++k) p[k] = lanes[k];
+}
+
+// Illumination: what is left of a colour when the surface's albedo is divided out. The floor keeps black surfaces
+// finite; the same one is used on the way back.
+vf albedo_floored(vf albedo) { return albedo > (vf)1e-3f ? albedo : (vf)1e-3f; }
+
+// One work-item walks a row, or its share of one, VW pixels at a time.
+#define FOR_EACH_VECTOR(x, begin, end) \
+  for (int x = (begin) + (int)get_global_id(0) * VW; x < (end); x += (int)get_global_size(0) * VW)
