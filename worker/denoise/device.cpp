@@ -111,7 +111,7 @@ ClDevice::ClDevice(cl::Device device, DeviceInfo info)
     : device_(std::move(device)),
       info_(std::move(info)),
       context_(device_),
-      queue_(context_, device_),
+      queue_(context_, device_, CL_QUEUE_PROFILING_ENABLE),
       vector_width_(vector_width_of(info_)) {}
 
 cl::Program& ClDevice::program(std::string_view source, const std::string& options) {
@@ -137,7 +137,12 @@ void ClDevice::run(cl::Kernel& kernel, int width, int rows) {
   const bool cpu = info_.kind == "cpu";
   const std::size_t group = cpu ? 1 : 64;
   const std::size_t items = cpu ? 1 : (static_cast<std::size_t>(width) + group - 1) / group * group;
-  queue_.enqueueNDRangeKernel(kernel, cl::NullRange, {items, static_cast<std::size_t>(rows)}, {group, 1});
+  cl::Event event;
+  queue_.enqueueNDRangeKernel(kernel, cl::NullRange, {items, static_cast<std::size_t>(rows)}, {group, 1},
+                              nullptr, &event);
+  if (!times_) return;
+  times_->push_back({kernel.getInfo<CL_KERNEL_FUNCTION_NAME>()});
+  events_.push_back(std::move(event));
 }
 
 cl::Buffer ClDevice::borrowed(std::span<const float> memory) {
@@ -153,6 +158,12 @@ void ClDevice::finish(cl::Buffer& buffer, std::span<float> memory) {
   void* mapped = queue_.enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ, 0, memory.size_bytes());
   queue_.enqueueUnmapMemObject(buffer, mapped);
   queue_.finish();
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    const cl_ulong begin = events_[i].getProfilingInfo<CL_PROFILING_COMMAND_START>();
+    const cl_ulong end = events_[i].getProfilingInfo<CL_PROFILING_COMMAND_END>();
+    (*times_)[times_->size() - events_.size() + i].seconds = 1e-9 * static_cast<double>(end - begin);
+  }
+  events_.clear();
 }
 
 void ClDevice::fill(cl::Buffer& buffer, float value, std::size_t first, std::size_t count) {

@@ -16,6 +16,12 @@
 
 namespace tessera {
 
+// A kernel's run on the device, without the time in the queue.
+struct KernelTime {
+  std::string kernel;
+  double seconds = 0;
+};
+
 class ClDevice : public Device {
  public:
   ClDevice(cl::Device device, DeviceInfo info);
@@ -31,6 +37,9 @@ class ClDevice : public Device {
   cl::Program& program(std::string_view source, const std::string& options = {});
   // One work-item per row on a CPU, one per vector elsewhere; the work-group's shape never varies.
   void run(cl::Kernel&, int width, int rows);
+  // From now on, what each kernel took is appended to `times` (borrowed) when finish() returns; null: no
+  // longer.
+  void record(std::vector<KernelTime>* times) { times_ = times; }
   // Caller's memory as a buffer, without a copy where the device shares it. It must outlive the buffer.
   cl::Buffer borrowed(std::span<const float>);
   cl::Buffer borrowed(std::span<float>);
@@ -56,6 +65,8 @@ class ClDevice : public Device {
   cl::Buffer workspace_[kSlots];
   std::size_t room_[kSlots] = {};
   std::string layout_;
+  std::vector<KernelTime>* times_ = nullptr;
+  std::vector<cl::Event> events_;  // of the entries of *times_ that have no time yet
 };
 
 // Turns an OpenCL failure into an Error that says what was being done.
