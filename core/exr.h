@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -16,22 +17,29 @@ namespace tessera {
 struct ExrChannel {
   std::string name;
   bool half = true;  // else 32-bit float
+  bool operator==(const ExrChannel&) const = default;
 };
 
 struct ExrImage {
   Region display;  // the whole frame
   Image pixels;    // over the data window; one plane per channel
   std::vector<ExrChannel> channels;
-  std::map<std::string, std::variant<std::string, float, int>> metadata;
+  std::map<std::string, std::variant<std::string, float, int>> metadata;  // by attribute name
 
   // The plane of that channel, or -1.
   int plane(std::string_view channel) const;
 };
 
-// Written beside `file` and renamed, so a reader never sees half of it. Throws Error.
+// Scanlines, top down; the channels in the file are sorted by name, whatever their order here. Values beyond
+// what a half can hold become +-65504, never infinite; NaN stays NaN. Written beside `file` and renamed, so a
+// reader never sees half of it. Throws InputError for an unknown compression, doubled or empty channel names,
+// and a place that cannot be written.
 void write_exr(const std::filesystem::path& file, const ExrImage&, const std::string& compression = "zip");
 
-// Throws InputError for a file that is missing, not an EXR, corrupt, or absurdly large.
+// Reads scanline and tiled files; of a file with several parts the first, which must be flat. Channels come
+// sorted by name; integer channels as float. Metadata are the attributes that are strings, floats or ints.
+// Throws InputError for a file that is missing, not an EXR, corrupt, incomplete, deep, or absurdly large:
+// edges above 65536, 1024 channels, 2^31 values, or more pixels than the file's bytes can hold.
 ExrImage read_exr(const std::filesystem::path& file);
 
 // OpenEXR's names: none rle zips zip piz pxr24 b44 b44a dwaa dwab.
