@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/exr.h"
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfMultiPartOutputFile.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfOutputPart.h>
+#include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfTiledOutputFile.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <numeric>
+#include <random>
+
+#include "core/error.h"
+#include "core/pending_file.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+// A folder of the test's own, removed with it.
+class Exr : public testing::Test {
+ protected:
+  Exr() {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::path(testing::TempDir()) /
+              (std::string("tessera-") + test->name() + std::to_string(std::random_device{}()));
+    fs::create_directories(folder_);
+  }
+  ~Exr() override { fs::remove_all(folder_); }
+  fs::path file(const std::string& name = "a.exr") const { return folder_ / name; }
+  std::size_t files() const { return std::distance(fs::directory_iterator(folder_), {}); }
+
+ private:
+  fs::path folder_;
+};
+
+ExrImage image_of(const Region& data, const Region& display, std::vector<ExrChannel> channels) {
+  ExrImage image{display, Image(data, static_cast<int>(channels.size())), std::move(channels), {}};
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> value(-2.0f, 10.0f);
+  for (float& v : image.pixels.data()) v = value(random);
+  return image;
+}
+
+std::string error_of(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "no InputError";
+}
+
+TEST_F(Exr, GivesBackWindowsChannelsMetadataAndEveryFloat) {
+  ExrImage image =
+      image_of({-3, 5, 34, 58}, {0, 0, 640, 480}, {{"Z", false}, {"A", false}, {"albedo.G", false}});
+  image.metadata = {
+      {"tessera/version", "1.2"}, {"tessera/error of a rather long name", 0.25f}, {"tessera/seed", 42}};
+  for (const char* compression : {"none", "rle", "zips", "zip", "piz"}) {
+    write_exr(file(), image, compression);
+    const ExrImage back = read_exr(file());
+    EXPECT_EQ(back.display, image.display);
+    EXPECT_EQ(back.channels, (std::vector<ExrChannel>{{"A", false}, {"Z", false}, {"albedo.G", false}}));
+    ASSERT_EQ(back.pixels.region(), image.pixels.region());
+    for (const ExrChannel& c : image.channels)
+      EXPECT_TRUE(
+          std::ranges::equal(back.pixels.plane(back.plane(c.name)), image.pixels.plane(image.plane(c.name))))
+          << compression << " " << c.name;
+    for (const auto& [name, value] : image.metadata) EXPECT_EQ(back.metadata.at(name), value) << name;
+  }
+  EXPECT_EQ(files(), 1u) << "only the file itself is left";
+}
+
+TEST_F(Exr, ReadsBackWhatEveryCompressionWrote) {
+  const ExrImage image = image_of({0, 0, 61, 43}, {0, 0, 61, 43}, {{"R", true}, {"Z", false}});
+  for (const std::string& compression : exr_compressions()) {
+    write_exr(file(), image, compression);
+    EXPECT_EQ(read_exr(file()).channels, image.channels) << compression;
+  }
+  EXPECT_THAT(error_of([&] { write_exr(file(), image, "jpeg"); }),
+              HasSubstr("accepted: none rle zips zip piz"));
+}
+
+TEST_F(Exr, HalvesAreRoundedToNearestAndNeverInfinite) {
+  ExrImage image{{}, Image({0, 0, 6, 1}, 1), {{"R", true}}, {}};
+  const float inf = std::numeric_limits<float>::infinity();
+  const std::vector<float> in{1e30f, -inf, 65519.9f, 1.0f + 1.0f / 1024 * 0.75f, 1e-3f, std::nanf("")};
+  std::ranges::copy(in, image.pixels.plane(0).begin());
+  write_exr(file(), image);
+  const ExrImage back = read_exr(file());
+  const auto out = back.pixels.plane(0);
+  EXPECT_EQ(out[0], 65504.0f);
+  EXPECT_EQ(out[1], -65504.0f);
+  EXPECT_EQ(out[2], 65504.0f);
+  EXPECT_EQ(out[3], 1.0f + 1.0f / 1024);
+  EXPECT_NEAR(out[4], 1e-3f, 1e-3f / 2048);
+  EXPECT_TRUE(std::isnan(out[5]));
+  EXPECT_EQ(back.display, image.pixels.region()) << "without a display window it is the data window";
+}
+
+TEST_F(Exr, AFailedWriteLeavesTheOldFileAndNothingElse) {
+  ExrImage image = image_of({0, 0, 8, 8}, {0, 0, 8, 8}, {{"R", true}});
+  write_exr(file(), image);
+  image.channels = {{"", true}};
+  EXPECT_THROW(write_exr(file(), image), InputError);
+  image.channels = {{"R", true}};
+  image.metadata["compression"] = "of another type";  // one of OpenEXR's own attributes
+  EXPECT_THROW(write_exr(file(), image), InputError);
+  EXPECT_EQ(read_exr(file()).channels.front().name, "R");
+  EXPECT_EQ(files(), 1u);
+  EXPECT_THAT(error_of([&] { write_exr(file("no/such/folder.exr"), image); }),
+              HasSubstr("cannot be written"));
+  fs::create_directory(file("folder.exr"));
+  image.metadata.clear();
+  EXPECT_THROW(write_exr(file("folder.exr"), image), InputError);
+  EXPECT_EQ(files(), 2u);
+}
+
+TEST_F(Exr, RefusesTwoChannelsOfOneName) {
+  const ExrImage image = image_of({0, 0, 8, 8}, {0, 0, 8, 8}, {{"R", true}, {"R", true}});
+  EXPECT_THAT(error_of([&] { write_exr(file(), image); }), HasSubstr("channel 'R'"));
+}
+
+TEST_F(Exr, SaysWhatIsWrongWithFilesThatAreNoImages) {
+  EXPECT_THAT(error_of([&] { read_exr(file()); }), HasSubstr(file().string()));
+  std::ofstream(file()) << "this is text";
+  EXPECT_THAT(error_of([&] { read_exr(file()); }), HasSubstr("cannot be read"));
+  std::ofstream(file("empty.exr"));
+  EXPECT_THROW(read_exr(file("empty.exr")), InputError);
+  EXPECT_THROW(read_exr(file().parent_path()), InputError) << "a folder";
+}
+
+TEST_F(Exr, RefusesAFileCutShort) {
+  write_exr(file(), image_of({0, 0, 64, 64}, {0, 0, 64, 64}, {{"R", true}}));
+  fs::resize_file(file(), fs::file_size(file()) - 100);
+  EXPECT_THAT(error_of([&] { read_exr(file()); }), HasSubstr("cannot be read"));
+}
+
+// A header without pixels.
+void write_header(const fs::path& file, const Imf::Header& header) {
+  Imf::OutputFile out(file.c_str(), header);
+}
+
+TEST_F(Exr, RefusesAbsurdSizesBeforeItAllocatesThem) {
+  Imf::Header wide(65537, 1);
+  wide.channels().insert("R", Imf::Channel());
+  write_header(file(), wide);
+  EXPECT_THAT(error_of([&] { read_exr(file()); }), HasSubstr("65537 x 1"));
+  Imf::Header large(65536, 32769);
+  large.compression() = Imf::DWAB_COMPRESSION;
+  large.channels().insert("R", Imf::Channel());
+  write_header(file(), large);
+  EXPECT_THAT(error_of([&] { read_exr(file()); }), HasSubstr("values"));
+  Imf::Header many(4, 4);
+  for (int i = 0; i < 1025; ++i) many.channels().insert(fmt::format("c{}", i), Imf::Channel());
+  write_header(file(), many);
+  EXPECT_THAT(error_of([&] { read_exr(file()); }), HasSubstr("1025 channels"));
+}
+
+TEST_F(Exr, RefusesMorePixelsThanItsBytesCanHold) {
+  Imf::Header large(32768, 32768);
+  large.compression() = Imf::DWAB_COMPRESSION;
+  large.channels().insert("R", Imf::Channel());
+  write_header(file(), large);
+  EXPECT_LT(fs::file_size(file()), 16384u);
+  EXPECT_THAT(error_of([&] { read_exr(file()); }), HasSubstr("complete file"));
+}
+
+TEST_F(Exr, RefusesSubsampledChannels) {
+  Imf::Header header(4, 4);
+  header.channels().insert("RY", Imf::Channel(Imf::HALF, 2, 2));
+  write_header(file(), header);
+  EXPECT_THAT(error_of([&] { read_exr(file()); }), HasSubstr("subsampled"));
+}
+
+TEST_F(Exr, ReadsTiledFilesAndIntegerChannels) {
+  Imf::Header header(5, 3);
+  header.channels().insert("id", Imf::Channel(Imf::UINT));
+  header.setTileDescription({2, 2, Imf::ONE_LEVEL});
+  std::vector<unsigned> ids(15);
+  std::iota(ids.begin(), ids.end(), 100u);
+  {
+    Imf::TiledOutputFile out(file().c_str(), header);
+    Imf::FrameBuffer buffer;
+    buffer.insert("id", Imf::Slice::Make(Imf::UINT, ids.data(), header.dataWindow()));
+    out.setFrameBuffer(buffer);
+    out.writeTiles(0, out.numXTiles() - 1, 0, out.numYTiles() - 1);
+  }
+  const ExrImage image = read_exr(file());
+  EXPECT_EQ(image.pixels.at(0, 4, 2), 114.0f);
+  EXPECT_FALSE(image.channels[0].half);
+}
+
+TEST_F(Exr, ReadsTheFirstFlatPartAndRefusesDeepOnes) {
+  std::vector<Imf::Header> headers;
+  for (const char* name : {"left", "right"}) {
+    Imf::Header header(4, 2);
+    header.setName(name);
+    header.setType(Imf::SCANLINEIMAGE);
+    header.channels().insert("Y", Imf::Channel(Imf::FLOAT));
+    headers.push_back(header);
+  }
+  {
+    Imf::MultiPartOutputFile out(file().c_str(), headers.data(), 2);
+    for (int p = 0; p < 2; ++p) {
+      std::vector<float> values(8, 10.0f + static_cast<float>(p));
+      Imf::FrameBuffer buffer;
+      buffer.insert("Y", Imf::Slice::Make(Imf::FLOAT, values.data(), headers[p].dataWindow()));
+      Imf::OutputPart part(out, p);
+      part.setFrameBuffer(buffer);
+      part.writePixels(2);
+    }
+  }
+  EXPECT_EQ(read_exr(file()).pixels, Image({0, 0, 4, 2}, 1, 10.0f));
+  Imf::Header deep(4, 2);
+  deep.setName("deep");
+  deep.setType(Imf::DEEPSCANLINE);
+  deep.compression() = Imf::ZIPS_COMPRESSION;
+  deep.channels().insert("Z", Imf::Channel(Imf::FLOAT));
+  { Imf::MultiPartOutputFile out(file("deep.exr").c_str(), &deep, 1); }
+  EXPECT_THAT(error_of([&] { read_exr(file("deep.exr")); }), HasSubstr("accepted: flat images"));
+}
+
+// Whatever bytes are turned, the answer is an image or an InputError.
+TEST_F(Exr, DamagedFilesCostAnInputErrorAndNothingMore) {
+  const ExrImage image = image_of({-2, 1, 23, 20}, {0, 0, 40, 30}, {{"R", true}, {"G", true}, {"Z", false}});
+  int refused = 0;
+  for (const std::string& compression : exr_compressions()) {
+    write_exr(file(), image, compression);
+    std::ifstream in(file(), std::ios::binary);
+    const std::string good{std::istreambuf_iterator<char>(in), {}};
+    for (unsigned seed = 0; seed < 60; ++seed) {
+      std::mt19937 random(seed);
+      std::string bad = good;
+      const std::size_t reach =
+          seed % 2 ? bad.size() : std::min<std::size_t>(400, bad.size());  // often the header
+      for (unsigned i = 0; i <= random() % 4; ++i) bad[random() % reach] = static_cast<char>(random());
+      if (random() % 5 == 0) bad.resize(random() % bad.size());
+      std::ofstream(file("bad.exr"), std::ios::binary) << bad;
+      try {
+        read_exr(file("bad.exr"));
+      } catch (const InputError&) {
+        ++refused;
+      }
+    }
+  }
+  EXPECT_GT(refused, 100);
+}
+
+TEST_F(Exr, PendingFilesOfOneNameDoNotMeet) {
+  PendingFile first(file()), second(file());
+  EXPECT_NE(first.temporary(), second.temporary());
+  EXPECT_EQ(first.temporary().parent_path(), file().parent_path());
+  EXPECT_THAT(first.temporary().filename().string(), testing::StartsWith("a.exr.tmp-"));
+}
+
+}  // namespace
+}  // namespace tessera
