@@ -24,4 +24,7 @@ struct Cancelled {};  // thrown by render() when `cancel` became true
 Block render(const RenderScene&, const RenderSettings&, int frame, const Region& region, SampleRange samples,
              const std::atomic<bool>* cancel = nullptr);
 
+// How many samples of a block were not finite, and are in none of its sums.
+std::uint64_t dropped(const Block&);
+
 }  // namespace tessera

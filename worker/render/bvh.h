@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rays against geometry. The only place that knows Embree.
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <functional>
+#include <memory>
+
+#include "worker/render/geometry.h"
+
+namespace tessera::tracer {
+
+inline constexpr int kLanes = 16;  // rays of a packet: one 4x4 block of pixels
+
+// Rays side by side, as Embree takes them. Unset lanes hold anything.
+struct alignas(64) Packet {
+  RTCRayHit16 r;
+  alignas(64) int active[kLanes];  // -1 or 0
+
+  void set(int lane, const Vec3& origin, const Vec3& direction, float far);
+  bool hit(int lane) const { return r.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID; }
+  Hit at(int lane) const;
+  float distance(int lane) const { return r.ray.tfar[lane]; }
+};
+
+struct alignas(64) ShadowPacket {
+  RTCRay16 r;
+  alignas(64) int active[kLanes];
+
+  void set(int lane, const Vec3& origin, const Vec3& direction, float far);
+  bool occluded(int lane) const { return r.tfar[lane] < 0; }
+};
+
+// True if the surface is there at this hit (alpha masks have holes). Pure: it is asked in any order, any
+// number of times.
+using Solid = std::function<bool(const Hit&)>;
+
+class Bvh {
+ public:
+  // `geometry` is borrowed and must outlive this. `masked` says which materials `solid` is to be asked for.
+  Bvh(const Geometry& geometry, const std::function<bool(int material)>& masked, Solid solid);
+  ~Bvh();
+  Bvh(const Bvh&) = delete;
+  Bvh& operator=(const Bvh&) = delete;
+
+  // Rays that start side by side and go nearly the same way.
+  void intersect_coherent(Packet&) const;
+  void intersect(Packet&) const;
+  void occluded_coherent(ShadowPacket&) const;
+  void occluded(ShadowPacket&) const;
+
+  struct Bounds {
+    Vec3 low, high;  // of everything; both 0 for an empty scene
+  };
+  Bounds bounds() const;
+
+ private:
+  struct Contents;
+  std::unique_ptr<Contents> contents_;
+};
+
+inline void Packet::set(int lane, const Vec3& origin, const Vec3& direction, float far) {
+  r.ray.org_x[lane] = origin.x;
+  r.ray.org_y[lane] = origin.y;
+  r.ray.org_z[lane] = origin.z;
+  r.ray.tnear[lane] = 0;
+  r.ray.dir_x[lane] = direction.x;
+  r.ray.dir_y[lane] = direction.y;
+  r.ray.dir_z[lane] = direction.z;
+  r.ray.time[lane] = 0;
+  r.ray.tfar[lane] = far;
+  r.ray.mask[lane] = ~0u;
+  r.ray.id[lane] = 0;
+  r.ray.flags[lane] = 0;
+  r.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+  r.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+  active[lane] = -1;
+}
+
+inline Hit Packet::at(int lane) const {
+  const unsigned instance = r.hit.instID[0][lane];
+  return {instance != RTC_INVALID_GEOMETRY_ID ? instance : r.hit.geomID[lane], r.hit.primID[lane],
+          r.hit.u[lane], r.hit.v[lane]};
+}
+
+inline void ShadowPacket::set(int lane, const Vec3& origin, const Vec3& direction, float far) {
+  r.org_x[lane] = origin.x;
+  r.org_y[lane] = origin.y;
+  r.org_z[lane] = origin.z;
+  r.tnear[lane] = 0;
+  r.dir_x[lane] = direction.x;
+  r.dir_y[lane] = direction.y;
+  r.dir_z[lane] = direction.z;
+  r.time[lane] = 0;
+  r.tfar[lane] = far;
+  r.mask[lane] = ~0u;
+  r.id[lane] = 0;
+  r.flags[lane] = 0;
+  active[lane] = -1;
+}
+
+}  // namespace tessera::tracer

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/render/integrator.h"
+
+#include <limits>
+
+#include "worker/render/warp.h"
+
+namespace tessera::tracer {
+namespace {
+
+constexpr float kFar = std::numeric_limits<float>::infinity();
+
+// Bounces before Russian roulette begins.
+constexpr int kSureBounces = 2;
+
+// The sets of random numbers: two for the camera, then four a vertex.
+constexpr std::uint32_t kPixelSet = 0, kLensSet = 1;
+enum class Choice : std::uint32_t { light_point, direction, which, roulette };
+Vec2 random(const Sampler& sampler, int vertex, Choice choice) {
+  return sampler(2 + 4 * static_cast<std::uint32_t>(vertex) + static_cast<std::uint32_t>(choice));
+}
+
+template <typename P>
+void clear(P& packet) {
+  for (int& active : packet.active) active = 0;
+}
+
+// Off the surface on the side that `direction` leaves to.
+Vec3 leaving(const Surface& s, const Vec3& direction) {
+  return offset_origin(s.position, dot(direction, s.ng) >= 0 ? s.ng : -s.ng);
+}
+
+}  // namespace
+
+BlockKeys::BlockKeys(std::uint64_t seed, int frame, int x0, int y0) : x(x0), y(y0) {
+  for (int h = 0; h < 2; ++h)
+    for (int i = 0; i < kBlockPixels; ++i)
+      half[static_cast<std::size_t>(h)][static_cast<std::size_t>(i)] =
+          half_key(seed, frame, x0 + i % kBlockEdge, y0 + i / kBlockEdge, h);
+}
+
+Integrator::Integrator(const RenderScene& scene, const RenderSettings& settings)
+    : scene_(scene),
+      camera_(camera_of(scene.scene(), settings.camera), settings.size),
+      max_bounces_(settings.max_bounces),
+      albedo_(settings.aovs.has(Aov::albedo)) {}
+
+void Integrator::trace(const BlockKeys& block, int sample, SampleBlock& out) {
+  start(block, sample);
+  scene_.bvh().intersect_coherent(rays_);
+  for (int lane = 0; lane < kLanes; ++lane) rays_.hit(lane) ? first_hit(lane, out) : sky(lane, out);
+  for (int bounce = 0; bounce <= max_bounces_; ++bounce) {
+    clear(rays_);
+    clear(shadows_);
+    bool any = false;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      if (!paths_[static_cast<std::size_t>(lane)].alive) continue;
+      scatter(lane, bounce);
+      any = true;
+    }
+    if (!any) break;
+    collect_light(bounce);
+    next_hits(bounce);
+  }
+  finish(out);
+}
+
+void Integrator::start(const BlockKeys& block, int sample) {
+  const auto& keys = block.half[static_cast<std::size_t>(sample & 1)];
+  for (int lane = 0; lane < kLanes; ++lane) {
+    Path& path = paths_[static_cast<std::size_t>(lane)];
+    path.random = Sampler(keys[static_cast<std::size_t>(lane)], sample);
+    const Vec2 within = path.random(kPixelSet);
+    const Ray ray = camera_.ray(static_cast<float>(block.x + lane % kBlockEdge) + within.x,
+                                static_cast<float>(block.y + lane / kBlockEdge) + within.y,
+                                camera_.has_lens() ? path.random(kLensSet) : Vec2(0, 0));
+    path.origin = ray.origin;
+    path.direction = ray.direction;
+    path.throughput = Color(1, 1, 1);
+    path.radiance_scale = 1;
+    path.scattered = 0;
+    path.direct = path.indirect = path.emission = Color(0, 0, 0);
+    path.alive = path.waits = false;
+    rays_.set(lane, ray.origin, ray.direction, kFar);
+  }
+}
+
+void Integrator::first_hit(int lane, SampleBlock& out) {
+  Path& path = paths_[static_cast<std::size_t>(lane)];
+  const Hit hit = rays_.at(lane);
+  path.surface = scene_.geometry().surface(hit, path.origin, path.direction, rays_.distance(lane));
+  path.bsdf = scene_.materials().bsdf(scene_.geometry(), hit, path.surface, path.direction);
+  path.alive = true;
+  if (path.surface.light >= 0)
+    path.emission = scene_.lights().hit(path.origin, path.direction, path.surface, 0);
+  out.hit[static_cast<std::size_t>(lane)] = 1;
+  out.set(Aov::albedo, lane, albedo_ ? albedo(path.bsdf) : Color(0, 0, 0));
+  out.set(Aov::normal, lane, path.bsdf.frame.z);
+  out.set(Aov::position, lane, path.surface.position);
+  out.values[SampleBlock::channel(Aov::depth)][static_cast<std::size_t>(lane)] =
+      dot(path.surface.position - camera_.origin(), camera_.forward());
+}
+
+void Integrator::sky(int lane, SampleBlock& out) {
+  Path& path = paths_[static_cast<std::size_t>(lane)];
+  path.emission = scene_.lights().escaped(path.direction, 0);
+  out.hit[static_cast<std::size_t>(lane)] = 0;
+  out.set(Aov::albedo, lane, Vec3(1, 1, 1));
+  out.set(Aov::normal, lane, Vec3(0, 0, 0));
+  out.set(Aov::position, lane, camera_.origin() + path.direction * scene_.diameter());
+  out.values[SampleBlock::channel(Aov::depth)][static_cast<std::size_t>(lane)] = 0;
+}
+
+// At a vertex: sends a shadow ray to a light, and the path on.
+void Integrator::scatter(int lane, int bounce) {
+  Path& path = paths_[static_cast<std::size_t>(lane)];
+  path.waits = false;
+  if (!path.bsdf.delta && !scene_.lights().empty()) ask_light(path, lane, bounce);
+  path.alive = bounce < max_bounces_ || gathers_emission();
+  if (!path.alive) return;
+  const bool one_lobe = path.bsdf.kind == Material::Kind::diffuse;
+  const float lobe = one_lobe ? 0 : random(path.random, bounce, Choice::which).x;
+  const BsdfSample s = sample(path.bsdf, lobe, random(path.random, bounce, Choice::direction));
+  path.alive = !is_black(s.weight);
+  if (!path.alive) return;
+  path.throughput *= s.weight;
+  path.radiance_scale *= s.radiance_scale;
+  path.scattered = s.pdf;
+  path.direction = s.wi;
+  path.alive = survives(path, bounce);
+  if (!path.alive) return;
+  path.origin = leaving(path.surface, s.wi);
+  rays_.set(lane, path.origin, s.wi, kFar);
+}
+
+bool Integrator::gathers_emission() const {
+  return scene_.lights().sky_emits() || scene_.lights().surfaces_emit();
+}
+
+// Russian roulette on what the path can still carry.
+bool Integrator::survives(Path& path, int bounce) const {
+  if (bounce < kSureBounces || bounce == max_bounces_) return true;
+  const float chance = max_component(path.throughput) / path.radiance_scale;
+  if (chance >= 1) return true;
+  if (random(path.random, bounce, Choice::roulette).x >= chance) return false;
+  path.throughput *= 1.0f / chance;
+  return true;
+}
+
+void Integrator::ask_light(Path& path, int lane, int bounce) {
+  const Lights& lights = scene_.lights();
+  const float pick = lights.single() ? 0 : random(path.random, bounce, Choice::which).y;
+  const LightSample light =
+      lights.sample(path.surface.position, pick, random(path.random, bounce, Choice::light_point));
+  if (!(light.pdf > 0)) return;
+  const BsdfValue scattered = evaluate(path.bsdf, light.direction);
+  const float weight = (light.delta ? 1.0f : power_heuristic(light.pdf, scattered.pdf)) / light.pdf;
+  path.unshadowed = path.throughput * scattered.f * light.radiance * weight;
+  if (is_black(path.unshadowed)) return;
+  path.waits = true;
+  const Vec3 origin = leaving(path.surface, light.direction);
+  if (light.infinite)
+    shadows_.set(lane, origin, light.direction, kFar);
+  else
+    shadows_.set(lane, origin, light.target - origin, 1);
+}
+
+void Integrator::collect_light(int bounce) {
+  bool any = false;
+  for (const Path& path : paths_) any |= path.waits;
+  if (!any) return;
+  bounce == 0 ? scene_.bvh().occluded_coherent(shadows_) : scene_.bvh().occluded(shadows_);
+  for (int lane = 0; lane < kLanes; ++lane) {
+    Path& path = paths_[static_cast<std::size_t>(lane)];
+    if (path.waits && !shadows_.occluded(lane)) (bounce == 0 ? path.direct : path.indirect) += path.unshadowed;
+  }
+}
+
+void Integrator::next_hits(int bounce) {
+  const bool last = bounce == max_bounces_;
+  if (last && !scene_.lights().surfaces_emit()) {
+    // What is hit does not matter any more, only whether the sky is seen.
+    clear(shadows_);
+    bool any = false;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const Path& path = paths_[static_cast<std::size_t>(lane)];
+      if (!path.alive) continue;
+      shadows_.set(lane, path.origin, path.direction, kFar);
+      any = true;
+    }
+    if (!any) return;
+    scene_.bvh().occluded(shadows_);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      Path& path = paths_[static_cast<std::size_t>(lane)];
+      if (!path.alive || shadows_.occluded(lane)) continue;
+      (bounce == 0 ? path.direct : path.indirect) +=
+          path.throughput * scene_.lights().escaped(path.direction, path.scattered);
+    }
+    return;
+  }
+  scene_.bvh().intersect(rays_);
+  for (int lane = 0; lane < kLanes; ++lane)
+    if (paths_[static_cast<std::size_t>(lane)].alive) arrive(lane, bounce);
+}
+
+// At the end of a ray that was scattered at vertex `bounce`: collects emission, and readies the next vertex.
+void Integrator::arrive(int lane, int bounce) {
+  Path& path = paths_[static_cast<std::size_t>(lane)];
+  Color& light = bounce == 0 ? path.direct : path.indirect;
+  if (!rays_.hit(lane)) {
+    light += path.throughput * scene_.lights().escaped(path.direction, path.scattered);
+    path.alive = false;
+    return;
+  }
+  const Hit hit = rays_.at(lane);
+  // Emission is weighed by the density at the vertex itself, not at the offset origin of the ray.
+  const Vec3 from = path.surface.position;
+  path.surface = scene_.geometry().surface(hit, path.origin, path.direction, rays_.distance(lane));
+  if (path.surface.light >= 0)
+    light += path.throughput * scene_.lights().hit(from, path.direction, path.surface, path.scattered);
+  if (bounce < max_bounces_)
+    path.bsdf = scene_.materials().bsdf(scene_.geometry(), hit, path.surface, path.direction);
+}
+
+void Integrator::finish(SampleBlock& out) const {
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const Path& path = paths_[lane];
+    const Color color = path.direct + path.indirect + path.emission;
+    out.valid[lane] = is_finite(color) ? 1.0f : 0.0f;
+    out.set(Aov::color, static_cast<int>(lane), color);
+    out.set(Aov::direct, static_cast<int>(lane), path.direct);
+    out.set(Aov::indirect, static_cast<int>(lane), path.indirect);
+    out.set(Aov::emission, static_cast<int>(lane), path.emission);
+    if (out.valid[lane] != 0) continue;
+    for (Lane& value : out.values) value[lane] = 0;
+    out.hit[lane] = 0;
+  }
+}
+
+}  // namespace tessera::tracer
