@@ -25,7 +25,20 @@ struct Hello {
   std::string device_class;  // unit within which bits are promised equal
   int slots = 1;             // tasks it works on at a time
 };
-struct Heartbeat {};
+// One copy of a task that a worker has in hand, whether it is at it or keeps it for later.
+struct Held {
+  TaskId task = 0;
+  Attempt attempt = 0;
+  bool operator==(const Held&) const = default;
+};
+// Sent at the agreed interval, whatever else is said: it is how lost Assign, Revoke and Done are noticed.
+struct Heartbeat {
+  std::vector<Held> held;
+};
+struct NeedJob {  // a task of a job came whose offer did not, or is forgotten: answered by JobOffer or
+                  // JobOver
+  JobId id = 0;
+};
 struct RenderDone {
   TaskId task = 0;
   Attempt attempt = 0;
@@ -55,7 +68,7 @@ struct Welcome {
 struct Refused {  // the worker must not come back as it is
   std::string reason;
 };
-struct JobOffer {  // sent before the first task of a job
+struct JobOffer {  // answers NeedJob; may be sent ahead of a job's first task
   JobId id = 0;
   Job job;
 };
@@ -74,6 +87,6 @@ struct JobOver {  // forget it; its scene may stay cached
 struct Unknown {};  // I do not know you (any more): say Hello again
 
 using Message = std::variant<Hello, Heartbeat, RenderDone, FilterDone, TaskFailed, Goodbye, Welcome, Refused,
-                             JobOffer, Assign, Revoke, JobOver, Unknown>;
+                             JobOffer, Assign, Revoke, JobOver, Unknown, NeedJob>;
 
 }  // namespace tessera
