@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Runs the benchmarks of a build folder, all or those whose name contains one of the arguments.
+# usage: bench/run.sh BUILD_FOLDER [NAME ...]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+folder=$1/bench
+shift
+lscpu | grep -E '^(Model name|CPU\(s\)|L3)' || true
+for program in "$folder"/*_bench; do
+  name=$(basename "$program")
+  wanted=$([ $# -eq 0 ] && echo yes || echo no)
+  for w in "$@"; do [[ $name == *"$w"* ]] && wanted=yes; done
+  [ "$wanted" = yes ] || continue
+  printf '\n== %s\n' "$name"
+  "$program"
+done

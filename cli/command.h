@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// The shape of a subcommand. The table in main.cpp is the only list of them; help and dispatch come from it.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <functional>
+#include <string_view>
+
+namespace tessera {
+
+struct Command {
+  std::string_view name, summary;
+  // Adds the options to the parser and returns what runs once they are parsed; its result is the exit code.
+  std::function<int()> (*describe)(CLI::App&);
+};
+
+std::function<int()> describe_render(CLI::App&);
+std::function<int()> describe_compare(CLI::App&);
+std::function<int()> describe_devices(CLI::App&);
+std::function<int()> describe_filters(CLI::App&);
+std::function<int()> describe_schema(CLI::App&);
+
+}  // namespace tessera

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The subcommands that only list what there is: devices, filters, schema.
+#include <fmt/format.h>
+
+#include <iostream>
+
+#include "cli/command.h"
+#include "core/error.h"
+#include "core/filter/filter.h"
+#include "core/scene/load.h"
+#include "worker/denoise/device.h"
+
+namespace tessera {
+namespace {
+
+int list_devices_command() {
+  const std::vector<DeviceInfo> devices = list_devices();
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const DeviceInfo& d = devices[i];
+    fmt::print("{}  {}  ({}, {} compute units, float width {}, {:.1f} GiB)\n   {}, {}\n", i, d.name, d.kind,
+               d.compute_units, d.native_float_width, static_cast<double>(d.memory) / (1u << 30), d.platform,
+               d.version);
+  }
+  if (!devices.empty()) return 0;
+  std::cerr << "tessera: no OpenCL device; on Debian: apt install pocl-opencl-icd\n";
+  return static_cast<int>(ExitCode::no_device);
+}
+
+std::string accepted(const Parameter& p) {
+  return p.choices.empty() ? fmt::format("{} to {}", p.low, p.high)
+                           : fmt::format("{}", fmt::join(p.choices, " | "));
+}
+
+std::string standard(const Parameter& p) {
+  return p.choices.empty() ? fmt::format("{}", p.standard)
+                           : std::string(p.choices[static_cast<int>(p.standard)]);
+}
+
+void print_filter(const FilterDescription& d) {
+  fmt::print("{:10} {}{}\n", d.name, d.summary, d.source.empty() ? "" : fmt::format("  [{}]", d.source));
+  fmt::print("{:10} halo {} px\n", "", parse_filter(d.name).halo());
+  for (const Parameter& p : d.parameters)
+    fmt::print("{:10}   {:14} {} (default {}{}{})  {}\n", "", p.name, accepted(p), standard(p),
+               p.unit.empty() ? "" : " ", p.unit, p.meaning);
+}
+
+}  // namespace
+
+std::function<int()> describe_devices(CLI::App&) { return list_devices_command; }
+
+std::function<int()> describe_filters(CLI::App&) {
+  return [] {
+    for (const FilterDescription& d : filters()) print_filter(d);
+    return 0;
+  };
+}
+
+std::function<int()> describe_schema(CLI::App&) {
+  return [] {
+    std::cout << scene_schema();
+    return 0;
+  };
+}
+
+}  // namespace tessera

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// tessera: one binary, one table of subcommands.
+#include <fmt/format.h>
+
+#include <array>
+#include <exception>
+#include <iostream>
+#include <new>
+
+#include "cli/command.h"
+#include "cli/version.h"
+#include "core/error.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::array kCommands{
+    Command{"render", "Render a scene on this machine until the image is good enough", describe_render},
+    Command{"compare", "Measure the error of an image against a reference", describe_compare},
+    Command{"devices", "List the OpenCL devices that can filter", describe_devices},
+    Command{"filters", "List the filters, their parameters and halos", describe_filters},
+    Command{"schema", "Print the JSON Schema of the native scene format", describe_schema},
+};
+
+int run(int argc, char** argv) {
+  CLI::App app{
+      "Renders a frame on many machines, denoises it tile by tile without a seam, and stops when the image "
+      "you get is good enough.",
+      "tessera"};
+  app.set_version_flag("--version", std::string(kVersion));
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 done, 1 internal error, 2 bad usage, 3 bad scene or input, 4 out of memory, 5 no "
+      "usable\n"
+      "device, 6 coordinator unreachable, 7 job failed, 8 stopped at a limit before it was acceptable "
+      "(image\n"
+      "written), 130 interrupted (image written).");
+  std::function<int()> chosen;
+  for (const Command& command : kCommands) {
+    CLI::App* sub = app.add_subcommand(std::string(command.name), std::string(command.summary));
+    sub->callback([&chosen, run = command.describe(*sub)] { chosen = run; });
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : static_cast<int>(ExitCode::bad_usage);
+  }
+  return chosen();
+}
+
+}  // namespace
+}  // namespace tessera
+
+int main(int argc, char** argv) {
+  using tessera::ExitCode;
+  const auto fail = [](ExitCode code, const char* what) {
+    std::cerr << "tessera: " << what << '\n';
+    return static_cast<int>(code);
+  };
+  try {
+    return tessera::run(argc, argv);
+  } catch (const tessera::Error& e) {
+    return fail(e.code(), e.what());
+  } catch (const std::bad_alloc&) {
+    return fail(ExitCode::out_of_memory, "out of memory");
+  } catch (const std::exception& e) {
+    return fail(ExitCode::internal_error, e.what());
+  }
+}

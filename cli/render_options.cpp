@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/render_options.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/exr.h"
+#include "core/sample_range.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, double>, 3> kTargets{
+    {{"draft", 1e-2}, {"good", 2.5e-3}, {"final", 5e-4}}};
+constexpr std::array kProgress{"auto", "bar", "lines", "json", "openjd", "none"};
+constexpr std::array kLevels{"debug", "info", "warning", "error"};
+
+[[noreturn]] void refuse(std::string_view option, std::string_view value, std::string_view accepted) {
+  throw Error(ExitCode::bad_usage,
+              fmt::format("{}: '{}' is not accepted; accepted: {}", option, value, accepted));
+}
+
+template <class Number>
+std::optional<Number> number(std::string_view text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+AovSet parse_aovs(const std::vector<std::string>& names) {
+  AovSet set;
+  std::string all;
+  for (int a = 1; a < kAovs; ++a) {
+    const AovInfo& i = info(static_cast<Aov>(a));
+    all += (a > 1 ? ", " : "") + std::string(i.name.empty() ? i.channels : i.name);
+  }
+  for (const std::string& name : names) {
+    bool found = false;
+    for (int a = 1; a < kAovs; ++a) {
+      const AovInfo& i = info(static_cast<Aov>(a));
+      if (name != (i.name.empty() ? i.channels : i.name)) continue;
+      set = set | AovSet{i.aov};
+      found = true;
+    }
+    if (!found) refuse("--aov", name, all);
+  }
+  return set;
+}
+
+// Sample counts double from round to round, so the most is a power of two.
+int most_samples(int asked) {
+  if (asked < 1 || asked > kMaxSamples)
+    refuse("--samples", std::to_string(asked), fmt::format("1 to {}", kMaxSamples));
+  return std::max(kLeafSamples, static_cast<int>(std::bit_ceil(static_cast<unsigned>(asked))));
+}
+
+}  // namespace
+
+double parse_target(const std::string& text) {
+  for (const auto& [name, value] : kTargets)
+    if (text == name) return value;
+  const std::string_view digits = std::string_view(text).substr(text.starts_with("relmse=") ? 7 : 0);
+  const auto value = number<double>(digits);
+  if (!value || !(*value > 0) || !std::isfinite(*value))
+    refuse("--until", text, "draft, good, final, or relmse=X with X above 0");
+  return *value;
+}
+
+Size parse_size(const std::string& text) {
+  const std::string_view all = text;
+  const std::size_t x = all.find('x');
+  const auto width = number<int>(all.substr(0, x));
+  const auto height = x == all.npos ? width : number<int>(all.substr(x + 1));
+  if (!width || !height || *width < 1 || *height < 1 || *width > kMaxEdge || *height > kMaxEdge)
+    refuse("--tile-size", text, fmt::format("N or WxH, each 1 to {}", kMaxEdge));
+  return {*width, *height};
+}
+
+Region crop_region(const std::vector<double>& ndc, Size frame) {
+  for (double v : ndc)
+    if (!(v >= 0 && v <= 1)) refuse("--crop", fmt::format("{}", v), "x0 y0 x1 y1, each 0 to 1");
+  if (ndc.size() != 4 || !(ndc[0] < ndc[2] && ndc[1] < ndc[3]))
+    refuse("--crop", fmt::format("{}", fmt::join(ndc, " ")), "x0 y0 x1 y1 with x0 < x1 and y0 < y1");
+  const auto pixel = [](double v, int edge) { return static_cast<int>(std::lround(v * edge)); };
+  Region r{pixel(ndc[0], frame.width), pixel(ndc[1], frame.height), pixel(ndc[2], frame.width),
+           pixel(ndc[3], frame.height)};
+  r.x0 = std::min(r.x0, frame.width - 1);
+  r.y0 = std::min(r.y0, frame.height - 1);
+  r.x1 = std::max(r.x1, r.x0 + 1);
+  r.y1 = std::max(r.y1, r.y0 + 1);
+  return r;
+}
+
+void describe(CLI::App& app, RenderOptions& o) {
+  app.add_option("scene", o.scene, "Scene file: .json (native), .gltf, .glb or .obj")
+      ->envname("TESSERA_SCENE");
+  app.add_option("-o,--output", o.output, "EXR to write; a PNG preview goes beside it [<scene>.exr]")
+      ->envname("TESSERA_OUTPUT");
+  app.add_option(
+         "--until", o.until,
+         "Stop when the relMSE of every part of the image is below: draft (0.01), good (0.0025), final\n"
+         "(0.0005) or relmse=X [good, unless --samples or --time is given]")
+      ->envname("TESSERA_UNTIL");
+  app.add_option("--samples", o.samples,
+                 "Most samples per pixel, rounded up to a power of two [4096]; without --until, what every "
+                 "pixel gets")
+      ->envname("TESSERA_SAMPLES");
+  app.add_option("--time", o.seconds, "Most seconds; the image of the last complete round is written")
+      ->envname("TESSERA_TIME");
+  app.add_option("--filter", o.filter, "Denoiser, e.g. none, atrous, svgf:sigma_l=2 (see tessera filters)")
+      ->envname("TESSERA_FILTER")
+      ->capture_default_str();
+  app.add_option("--width", o.width, "Pixels")->envname("TESSERA_WIDTH")->capture_default_str();
+  app.add_option("--height", o.height, "Pixels")->envname("TESSERA_HEIGHT")->capture_default_str();
+  app.add_option("--crop", o.crop, "Part of the frame to render: x0 y0 x1 y1, 0 to 1 from the top left")
+      ->expected(4);
+  app.add_option("--camera", o.camera, "Name of the camera [the scene's first]")->envname("TESSERA_CAMERA");
+  app.add_option("--seed", o.seed, "Seed of all randomness")->envname("TESSERA_SEED")->capture_default_str();
+  app.add_option("--frame", o.frame, "Frame number")->envname("TESSERA_FRAME")->capture_default_str();
+  app.add_option("--max-bounces", o.max_bounces, "Scatterings after the first hit")
+      ->envname("TESSERA_MAX_BOUNCES")
+      ->capture_default_str();
+  app.add_option("--threads", o.threads, "Threads [what this process may use]")->envname("TESSERA_THREADS");
+  app.add_option("--tile-size", o.tile_size,
+                 "Tiles for filtering: N or WxH pixels; does not change the image")
+      ->envname("TESSERA_TILE_SIZE")
+      ->capture_default_str();
+  app.add_option("--aov", o.aovs, "More layers to write: direct, indirect, emission, albedo, N, P, Z")
+      ->delimiter(',');
+  app.add_option("--device", o.device, "OpenCL device: number or part of its name [first CPU]")
+      ->envname("TESSERA_DEVICE");
+  app.add_flag("--list-devices", o.list_devices, "List the OpenCL devices and end");
+  app.add_option("--compression", o.compression, "Of the EXR")
+      ->check(CLI::IsMember(exr_compressions()))
+      ->envname("TESSERA_COMPRESSION")
+      ->capture_default_str();
+  app.add_option("--exposure", o.exposure, "Stops, of the PNG preview only")->capture_default_str();
+  app.add_option("--progress", o.progress, "How to show it")
+      ->check(CLI::IsMember(std::vector<std::string>(kProgress.begin(), kProgress.end())))
+      ->envname("TESSERA_PROGRESS")
+      ->capture_default_str();
+  app.add_flag("--quiet", o.quiet, "No progress and no summary");
+  app.add_flag("-v,--verbose", o.verbose, "Same as --log-level info");
+  app.add_option("--log-level", o.log_level, "To stderr")
+      ->check(CLI::IsMember(std::vector<std::string>(kLevels.begin(), kLevels.end())))
+      ->envname("TESSERA_LOG_LEVEL")
+      ->capture_default_str();
+}
+
+Job job_of(const RenderOptions& o) {
+  Job job;
+  job.scene.path = o.scene;
+  job.render.size = {o.width, o.height};
+  job.render.seed = o.seed;
+  job.render.max_bounces = o.max_bounces;
+  job.render.camera = o.camera;
+  job.filter = parse_filter(o.filter);
+  job.render.aovs = AovSet{Aov::color} | aovs_of(job.filter.description().inputs) | parse_aovs(o.aovs);
+  job.frame = o.frame;
+  job.tile = parse_size(o.tile_size);
+  if (!o.until.empty() || (o.samples == 0 && o.seconds == 0))
+    job.acceptance.relmse = parse_target(o.until.empty() ? "good" : o.until);
+  if (o.samples != 0) job.acceptance.max_samples = most_samples(o.samples);
+  job.acceptance.first_samples = std::min(job.acceptance.first_samples, job.acceptance.max_samples);
+  if (o.seconds < 0 || !std::isfinite(o.seconds))
+    refuse("--time", fmt::format("{}", o.seconds), "seconds above 0");
+  if (o.seconds > 0) job.acceptance.max_seconds = o.seconds;
+  try {
+    if (!o.crop.empty() && o.width > 0 && o.height > 0) job.crop = crop_region(o.crop, job.render.size);
+    validate(job);
+  } catch (const InputError& e) {
+    throw Error(ExitCode::bad_usage, e.what());
+  }
+  return job;
+}
+
+}  // namespace tessera

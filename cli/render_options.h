@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// The options of `tessera render`, and the job they mean.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/progress_display.h"
+#include "core/job.h"
+
+namespace tessera {
+
+struct RenderOptions {
+  std::string scene;
+  std::string output;  // .exr; a .png preview is written beside it
+  std::string until;   // "relmse=X", a number, or draft | good | final; empty: samples alone
+  int samples = 0;     // most per pixel; 0: the rule's own
+  double seconds = 0;  // 0: no limit
+  std::string filter = "svgf";
+  int width = 960, height = 540;
+  std::vector<double> crop;  // x0 y0 x1 y1, 0..1 from the top left
+  std::string camera;
+  std::uint64_t seed = 0;
+  int frame = 0;
+  int max_bounces = 8;
+  int threads = 0;  // 0: what this process may use
+  std::string tile_size = "256";
+  std::vector<std::string> aovs;
+  std::string device;
+  bool list_devices = false;
+  std::string compression = "zip";
+  double exposure = 0;  // of the preview
+  std::string progress = "auto";
+  bool quiet = false;
+  bool verbose = false;
+  std::string log_level = "warning";
+};
+
+void describe(CLI::App&, RenderOptions&);
+
+// The job without its scene's hash. Throws Error(bad_usage) naming the option and what it takes.
+Job job_of(const RenderOptions&);
+
+// "relmse=0.0025", "0.0025", "draft" (1e-2), "good" (2.5e-3), "final" (5e-4).
+double parse_target(const std::string& text);
+
+// "256" or "37x53".
+Size parse_size(const std::string& text);
+
+// Pixels of the normalised crop window, at least one.
+Region crop_region(const std::vector<double>& ndc, Size frame);
+
+}  // namespace tessera

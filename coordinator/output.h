@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a frame looks like in a file: layers, names and metadata. No I/O.
+#pragma once
+
+#include <string>
+
+#include "coordinator/frame.h"
+#include "core/exr.h"
+
+namespace tessera {
+
+// What the file says of itself besides its pixels.
+struct Provenance {
+  std::string version, device, scene_hash;
+  double seconds = 0;
+  std::uint64_t dropped = 0;  // samples that were not finite
+};
+
+// Layers: R,G,B,A (filtered); noisy.*, variance.* (of the noisy mean); samples.Y; error.Y (relMSE of the
+// pixel's cell); and every AOV the film holds under its own name. Metadata under tessera/.
+ExrImage layered(const Job&, const FrameImage&, const Provenance&);
+
+// One sentence on what stopped the frame and what was achieved.
+std::string verdict(const Job&, const FrameImage&);
+
+}  // namespace tessera

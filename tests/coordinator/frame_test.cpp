@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "coordinator/frame.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <random>
+
+namespace tessera {
+namespace {
+
+// SplitMix64 (Steele et al. 2014), to [0, 1).
+float uniform(std::uint64_t key) {
+  std::uint64_t z = key * 0x9e3779b97f4a7c15u + 0x9e3779b97f4a7c15u;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return static_cast<float>((z ^ (z >> 31)) >> 40) * 0x1p-24f;
+}
+
+// A made-up renderer: grey noise around a ramp, a function of pixel and sample alone, summed as the contract
+// says.
+Block leaf(const Region& region, int begin, const FilmLayout& layout, float noise) {
+  Block block{{begin, begin + kLeafSamples}, Image(region, layout.planes())};
+  for (int y = region.y0; y < region.y1; ++y)
+    for (int x = region.x0; x < region.x1; ++x)
+      for (int s = begin; s < begin + kLeafSamples; ++s) {
+        const float u = uniform((std::uint64_t(s) << 40) + (std::uint64_t(y) << 20) + x);
+        const float value = 0.5f + 0.002f * static_cast<float>(x + y) + noise * (u - 0.5f);
+        const Half half = s % 2 == 0 ? Half::a : Half::b;
+        block.sums.at(FilmLayout::count(half), x, y) += 1;
+        block.sums.at(FilmLayout::hits(half), x, y) += 1;
+        for (int c = 0; c < 3; ++c) {
+          block.sums.at(layout.sum(Aov::color, c, half), x, y) += value;
+          block.sums.at(layout.square(Aov::color, c, half), x, y) += value * value;
+        }
+      }
+  return block;
+}
+
+Block rendered(const RenderTask& task, const FilmLayout& layout, float noise) {
+  if (task.samples.count() == kLeafSamples) return leaf(task.region, task.samples.begin, layout, noise);
+  const int middle = task.samples.begin + task.samples.count() / 2;
+  Block block = rendered({task.region, {task.samples.begin, middle}}, layout, noise);
+  join(block, rendered({task.region, {middle, task.samples.end}}, layout, noise));
+  return block;
+}
+
+// A made-up filter: none at all.
+Filtered filtered(const FilterTask& task, const Image& sums, const FilmLayout& layout) {
+  Filtered out(task.tile.inner, kFilteredPlanes);
+  const Image inner = cropped(sums, task.tile.inner);
+  int plane = 0;
+  for (const Part part : {Part::all, Part::a, Part::b}) {
+    const Image image = developed(inner, layout, channels_of(Aov::color), part);
+    for (int c = 0; c < 3; ++c, ++plane)
+      std::copy(image.plane(c).begin(), image.plane(c).end(), out.plane(plane).begin());
+  }
+  return out;
+}
+
+Job small_job() {
+  Job job;
+  job.render.size = {150, 90};
+  job.acceptance.relmse = 0.002;
+  job.acceptance.max_samples = 256;
+  job.task_samples = 1 << 14;
+  return job;
+}
+
+// Works off a frame in an order drawn by `seed`; some results come twice.
+FrameImage worked_off(const Job& job, unsigned seed, float noise = 0.6f) {
+  std::mt19937 random(seed);
+  Frame frame(job);
+  std::deque<Work> todo;
+  const auto add = [&](const std::vector<Work>& work) { todo.insert(todo.end(), work.begin(), work.end()); };
+  add(frame.begin());
+  while (!frame.stopped()) {
+    EXPECT_FALSE(todo.empty()) << "a round without work that is not complete";
+    std::swap(todo.front(), todo[random() % todo.size()]);
+    const Work work = todo.front();
+    todo.pop_front();
+    for (unsigned copies = random() % 8 == 0 ? 2 : 1; copies > 0; --copies) {
+      if (const auto* render = std::get_if<RenderTask>(&work))
+        add(frame.fold(rendered(*render, frame.layout(), noise)));
+      else
+        frame.stitch(std::get<FilterTask>(work),
+                     filtered(std::get<FilterTask>(work), frame.filter_input(std::get<FilterTask>(work)),
+                              frame.layout()));
+    }
+    if (frame.round_complete()) {
+      EXPECT_TRUE(todo.empty()) << "a round that is complete leaves no work";
+      add(frame.look({}));
+    }
+  }
+  return frame.image();
+}
+
+TEST(Frame, IsTheSameBitsInWhateverOrderResultsComeAndHoweverItIsCut) {
+  const FrameImage first = worked_off(small_job(), 1);
+  EXPECT_EQ(first.stop, StopReason::accepted);
+  for (unsigned seed = 2; seed < 8; ++seed) {
+    Job job = small_job();
+    job.tile = seed % 2 == 0 ? Size{37, 53} : Size{64, 200};
+    job.task_samples = 1 << (8 + seed);
+    const FrameImage other = worked_off(job, seed);
+    EXPECT_TRUE(same_bits(first.filtered, other.filtered)) << "seed " << seed;
+    EXPECT_TRUE(same_bits(first.sums, other.sums)) << "seed " << seed;
+    EXPECT_EQ(first.states, other.states) << "seed " << seed;
+  }
+}
+
+TEST(Frame, SaysThatItStoppedAtTheLimitWhenTheTargetCannotBeMet) {
+  Job job = small_job();
+  job.acceptance.relmse = 1e-7;
+  job.acceptance.max_samples = 32;
+  const FrameImage image = worked_off(job, 3);
+  EXPECT_EQ(image.stop, StopReason::max_samples);
+  EXPECT_EQ(image.pixel_samples, 150 * 90 * 32);
+  EXPECT_EQ(image.acceptable_share, 0.0);
+  EXPECT_GT(image.error.mean, 1e-7);
+}
+
+TEST(Frame, WithoutATargetEveryPixelGetsTheSamplesAskedForInOneRound) {
+  Job job = small_job();
+  job.acceptance.relmse.reset();
+  job.acceptance.max_samples = 64;
+  const FrameImage image = worked_off(job, 4);
+  EXPECT_EQ(image.rounds, 1);
+  EXPECT_EQ(image.pixel_samples, 150 * 90 * 64);
+  EXPECT_EQ(image.stop, StopReason::max_samples);
+}
+
+TEST(Frame, TheEstimatedErrorIsThatOfTheImageWithinItsBound) {
+  Job job = small_job();
+  job.acceptance.relmse.reset();
+  job.acceptance.max_samples = 32;
+  const FrameImage image = worked_off(job, 5);
+  Image truth = image.filtered;
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < 90; ++y)
+      for (int x = 0; x < 150; ++x) truth.at(c, x, y) = 0.5f + 0.002f * static_cast<float>(x + y);
+  const double error = rel_mse(image.filtered, truth);
+  EXPECT_NEAR(image.error.mean, error, 4 * image.error.standard_error + 0.1 * error);
+}
+
+TEST(Frame, StoppedBeforeItsFirstLookItDeliversTheNoisyImageOfWhatThereIs) {
+  Frame frame(small_job());
+  const std::vector<Work> work = frame.begin();
+  frame.fold(rendered(std::get<RenderTask>(work.front()), frame.layout(), 0.6f));
+  frame.stop(StopReason::interrupted);
+  const FrameImage image = frame.image();
+  EXPECT_EQ(image.rounds, 0);
+  EXPECT_GT(image.filtered.at(0, 0, 0), 0.0f);
+  EXPECT_EQ(image.filtered.at(0, 149, 89), 0.0f);
+  EXPECT_TRUE(frame.fold(rendered(std::get<RenderTask>(work.back()), frame.layout(), 0.6f)).empty());
+}
+
+TEST(Frame, AnAnswerOfAnotherShapeDoesNotFit) {
+  Frame frame(small_job());
+  const RenderTask task = std::get<RenderTask>(frame.begin().front());
+  Block block = rendered(task, frame.layout(), 0.6f);
+  EXPECT_TRUE(frame.fits(task, block));
+  block.samples = {64, 128};
+  EXPECT_FALSE(frame.fits(task, block));
+  EXPECT_FALSE(frame.fits(task, {task.samples, Image(grown(task.region, 1), frame.layout().planes())}));
+  EXPECT_FALSE(frame.fits(task, {task.samples, Image(task.region, frame.layout().planes() - 1)}));
+}
+
+}  // namespace
+}  // namespace tessera
