@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/framing.h"
+
+#include <Imath/ImathBox.h>
+
+#include <cmath>
+
+namespace tessera {
+namespace {
+
+Imath::Box3f bounds_of(const Scene& scene) {
+  std::vector<Imath::Box3f> boxes(scene.meshes.size());
+  for (std::size_t m = 0; m < boxes.size(); ++m)
+    for (const auto& triangle : scene.meshes[m].triangles)
+      for (const std::uint32_t v : triangle) boxes[m].extendBy(scene.meshes[m].positions[v]);
+  Imath::Box3f bounds;
+  for (const Instance& instance : scene.instances) {
+    const Imath::Box3f& box = boxes[static_cast<std::size_t>(instance.mesh)];
+    for (int corner = 0; !box.isEmpty() && corner < 8; ++corner)
+      bounds.extendBy(Vec3(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                           corner & 4 ? box.max.z : box.min.z) *
+                      instance.to_world);
+  }
+  for (const Sphere& s : scene.spheres) {
+    bounds.extendBy(s.center - Vec3(s.radius));
+    bounds.extendBy(s.center + Vec3(s.radius));
+  }
+  return bounds.isEmpty() ? Imath::Box3f(Vec3(-1), Vec3(1)) : bounds;
+}
+
+}  // namespace
+
+Camera framing_camera(const Scene& scene) {
+  const Imath::Box3f bounds = bounds_of(scene);
+  const Vec3 back = Vec3(0.4f, 0.35f, 1.0f).normalized();
+  const Vec3 x = Vec3(0, 1, 0).cross(back).normalized(), y = back.cross(x);
+  Camera camera;
+  const float distance = 0.5f * bounds.size().length() / std::sin(0.5f * camera.vertical_fov);
+  const Vec3 eye = bounds.center() + back * distance;
+  camera.to_world = {x.x, x.y, x.z, 0, y.x, y.y, y.z, 0, back.x, back.y, back.z, 0, eye.x, eye.y, eye.z, 1};
+  camera.focus_distance = distance;
+  return camera;
+}
+
+}  // namespace tessera

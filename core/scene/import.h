@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// A file as its format's reader understands it, and scenes put together from several. What comes out is not
+// checked yet: load_scene does that (finish.h).
+#pragma once
+
+#include <filesystem>
+
+#include "core/scene/scene.h"
+
+namespace tessera {
+
+// Scenes that import scenes that import …: no further than this.
+inline constexpr int kMaxImportDepth = 8;
+
+// Dispatches on the extension. `where` is the place that names the file, for messages; empty: the file
+// itself.
+Scene import_scene(const std::filesystem::path& file, int depth, std::string_view where = {});
+
+// Moves everything of `part` but its environment to the end of `scene`, transformed. Powers stay as they are
+// under scaling. Adds a warning for what cannot be transformed exactly.
+void append(Scene& scene, Scene&& part, const Matrix& transform);
+
+// Adds a warning unless it is there already. Keeps a list of bounded length.
+void warn(Scene& scene, std::string text);
+
+// (x, y, z) of a world whose Z points up to (x, z, -y).
+Matrix z_up_to_y_up();
+
+}  // namespace tessera
