@@ -114,7 +114,6 @@ void Integrator::sky(int lane, SampleBlock& out) {
 // At a vertex: sends a shadow ray to a light, and the path on.
 void Integrator::scatter(int lane, int bounce) {
   Path& path = paths_[static_cast<std::size_t>(lane)];
-  path.waits = false;
   if (!path.bsdf.delta && !scene_.lights().empty()) ask_light(path, lane, bounce);
   path.alive = bounce < max_bounces_ || gathers_emission();
   if (!path.alive) return;
@@ -173,6 +172,7 @@ void Integrator::collect_light(int bounce) {
   for (int lane = 0; lane < kLanes; ++lane) {
     Path& path = paths_[static_cast<std::size_t>(lane)];
     if (path.waits && !shadows_.occluded(lane)) (bounce == 0 ? path.direct : path.indirect) += path.unshadowed;
+    path.waits = false;
   }
 }
 
