@@ -116,7 +116,7 @@ class Run {
     cl::Kernel kernel(program_, std::string(pass.kernel).c_str());
     set_arguments(kernel, buffer(kGuides), buffer(from_), buffer(to_), layout_.stride, layout_.plane,
                   layout_.origin, x0, y0, x1, y1, pass.step, scalars);
-    device_.run(kernel, x1 - x0, y1 - y0);
+    device_.run(kernel, x1 - x0, rounded_up(y1 - y0, pass.step));
   }
 
   Image collect(const cl::Buffer& in, const Region& inner) {

@@ -53,7 +53,7 @@ vf smaller_if_any(vf a, vf b) {
 kernel void atrous_level(global const float* restrict guides, global const float* restrict from,
                          global float* restrict to, int stride, long plane, long origin, int x0, int y0, int x1,
                          int y1, int step, float4 k) {
-  const int y = y0 + get_global_id(1);
+  const int y = y0 + row_of(get_global_id(1), y1 - y0, step);
   if (y >= y1) return;
   FOR_EACH_VECTOR(x, x0, x1) {
     const size_t p = origin + (size_t)y * stride + x;

@@ -82,3 +82,10 @@ vf albedo_floored(vf albedo) { return albedo > (vf)1e-3f ? albedo : (vf)1e-3f; }
 // One work-item walks a row, or its share of one, VW pixels at a time.
 #define FOR_EACH_VECTOR(x, begin, end) \
   for (int x = (begin) + (int)get_global_id(0) * VW; x < (end); x += (int)get_global_size(0) * VW)
+
+// Rows in an order in which one and the next read mostly the same others: every step-th one, phase after phase.
+// `index` runs over step * ceil(rows / step); what comes out may be past the last row.
+int row_of(int index, int rows, int step) {
+  const int rows_per_phase = (rows + step - 1) / step;
+  return index / rows_per_phase + index % rows_per_phase * step;
+}

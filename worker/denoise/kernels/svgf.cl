@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+// Variance-guided a-trous filtering (Schied et al. 2017) of direct and indirect illumination, both in one pass for
+// they share the geometry's weights.
+//   guides: 0 depth (+infinity at invalid pixels)   1..3 unit normal
+//   signal: 0..2 direct   3..5 indirect   6, 7 variance of their luminance
+// SQUARINGS: the exponent of the normals' cosine is 2^SQUARINGS.
+
+#define LARGEST_VARIANCE 1e36f  // sums of squares stay finite below it
+
+// Luminance's standard deviation is at most the sum of the channels' weighted ones (equal if they are fully
+// correlated, which a path tracer's nearly are). Squared.
+vf luminance_variance(const vf* variance, const vf* albedo) {
+  const vf deviation = luminance(sqrt(variance[0]) / albedo[0], sqrt(variance[1]) / albedo[1],
+                                 sqrt(variance[2]) / albedo[2]);
+  const vf squared = deviation * deviation;
+  return squared < (vf)LARGEST_VARIANCE ? squared : (vf)LARGEST_VARIANCE;
+}
+
+// input: direct, indirect, emission, albedo, normal (3 each), depth 1, variance of direct 3, of indirect 3.
+kernel void prepare(global const float* restrict input, int w, int h, global float* restrict guides,
+                    global float* restrict signal, int stride, long plane, long origin, float sky) {
+  const int y = get_global_id(1);
+  const size_t area = (size_t)w * h;
+  if (y >= h) return;
+  FOR_EACH_VECTOR(x, 0, w) {
+    global const float* in = input + (size_t)y * w + x;
+    const int n = w - x;
+    const size_t p = origin + (size_t)y * stride + x;
+    const vf depth = load_first(in + 15 * area, n, INFINITY);
+    vi valid = ordinary(depth) & (depth < (vf)sky);
+    vf light[6], variance[6], albedo[3], normal[3], norm = 0.0f;
+    for (int c = 0; c < 3; ++c) {
+      const vf emission = load_first(in + (6 + c) * area, n, 0.0f);
+      albedo[c] = load_first(in + (9 + c) * area, n, 0.0f);
+      normal[c] = load_first(in + (12 + c) * area, n, 0.0f);
+      valid &= ordinary(emission) & ordinary(albedo[c]) & ordinary(normal[c]);
+      albedo[c] = albedo_floored(albedo[c]);
+      norm = fma(normal[c], normal[c], norm);
+    }
+    for (int c = 0; c < 6; ++c) {
+      light[c] = load_first(in + c * area, n, 0.0f);
+      variance[c] = load_first(in + (16 + c) * area, n, 0.0f);
+      valid &= ordinary(light[c]) & (variance[c] >= (vf)0.0f) & (variance[c] <= (vf)INFINITY);
+      store(valid ? light[c] / albedo[c % 3] : (vf)0.0f, signal + c * plane + p);
+    }
+    const vf scale = norm > (vf)1e-12f ? 1.0f / sqrt(norm) : (vf)0.0f;
+    store(valid ? depth : (vf)INFINITY, guides + p);
+    for (int c = 0; c < 3; ++c) store(valid ? normal[c] * scale : (vf)0.0f, guides + (1 + c) * plane + p);
+    for (int s = 0; s < 2; ++s)
+      store(valid ? luminance_variance(variance + 3 * s, albedo) : (vf)0.0f, signal + (6 + s) * plane + p);
+  }
+}
+
+// What the geometric weights need of the centre pixel.
+typedef struct {
+  vf z, nx, ny, nz;
+  vf slope_x, slope_y;  // depth per pixel of the local plane
+  vf tolerance;         // of depth, beyond the plane: keeps iso-depth lines, where the plane allows none, alive
+} Surface;
+
+// The one-sided difference of smaller magnitude: the larger one may cross an edge. 0 if neither side is valid.
+vf slope(vf before, vf centre, vf after) {
+  const vf back = centre - before, ahead = after - centre;
+  const vf least = fabs(back) < fabs(ahead) ? back : ahead;
+  return fabs(least) < (vf)INFINITY ? least : (vf)0.0f;
+}
+
+Surface surface_at(global const float* guides, int stride, long plane, size_t p, float tolerance) {
+  Surface s;
+  s.z = load(guides + p);
+  s.nx = load(guides + plane + p);
+  s.ny = load(guides + 2 * plane + p);
+  s.nz = load(guides + 3 * plane + p);
+  s.slope_x = slope(load(guides + p - 1), s.z, load(guides + p + 1));
+  s.slope_y = slope(load(guides + p - stride), s.z, load(guides + p + stride));
+  s.tolerance = fma(fabs(s.z), (vf)tolerance, (vf)1e-30f);
+  return s;
+}
+
+// 1 over the depth difference at which w_z has fallen to 1/2, for the pixels (i, j) * step away on either side.
+// reach = sigma_z * step * ln 2.
+vf depth_scale(Surface s, int i, int j, float reach) {
+  return 1.0f / fma(fabs(fma(s.slope_x, (vf)(float)i, s.slope_y * (float)j)), (vf)reach, s.tolerance);
+}
+
+// log2 of w_z.
+vf depth_exponent(Surface s, global const float* guides, size_t q, vf scale) {
+  return -fabs(load(guides + q) - s.z) * scale;
+}
+
+vf normal_weight(Surface s, global const float* guides, long plane, size_t q) {
+  const vf nx = load(guides + plane + q), ny = load(guides + 2 * plane + q), nz = load(guides + 3 * plane + q);
+  vf w = fma(s.nx, nx, fma(s.ny, ny, s.nz * nz));
+  w = w > (vf)0.0f ? w : (vf)0.0f;
+  w = w < (vf)1.0f ? w : (vf)1.0f;
+#pragma unroll
+  for (int k = 0; k < SQUARINGS; ++k) w *= w;
+  return w;
+}
+
+// The arguments that every pass takes. k: sigma_z * step * ln 2, depth tolerance * ln 2, sigma_l * ln 2,
+// luminance tolerance * ln 2.
+#define PASS_ARGUMENTS                                                                                          \
+  global const float *restrict guides, global const float *restrict from, global float *restrict to, int stride, \
+      long plane, long origin, int x0, int y0, int x1, int y1, int step, float4 k
+
+// Runs BODY for both ends q of every chord (i, j) of the (2 RADIUS + 1)^2 window: they share a depth scale.
+#define FOR_EACH_CHORD(RADIUS, BODY)                                             \
+  _Pragma("nounroll") for (int j = 0; j <= RADIUS; ++j) {                          \
+    _Pragma("nounroll") for (int i = -RADIUS; i <= RADIUS; ++i) {                  \
+      if (j == 0 && i <= 0) continue;                                            \
+      const vf scale = depth_scale(s, i, j, k.x);                                \
+      const long chord = (long)(j * step) * stride + i * step;                   \
+      _Pragma("unroll") for (int end = -1; end <= 1; end += 2) {                 \
+        const size_t q = p + end * chord;                                        \
+        BODY                                                                     \
+      }                                                                          \
+    }                                                                            \
+  }
+
+void copy_light(global const float* from, global float* to, long plane, size_t p) {
+  for (int c = 0; c < 6; ++c) store(load(from + c * plane + p), to + c * plane + p);
+}
+
+// The samples' variances, averaged over the surface around.
+kernel void svgf_variance_samples(PASS_ARGUMENTS) {
+  const int y = y0 + row_of(get_global_id(1), y1 - y0, step);
+  if (y >= y1) return;
+  FOR_EACH_VECTOR(x, x0, x1) {
+    const size_t p = origin + (size_t)y * stride + x;
+    const Surface s = surface_at(guides, stride, plane, p, k.y);
+    vf sum = 1.0f, direct = load(from + 6 * plane + p), indirect = load(from + 7 * plane + p);
+    FOR_EACH_CHORD(3, {
+      const vf w = normal_weight(s, guides, plane, q) * exp2_of_negative(depth_exponent(s, guides, q, scale));
+      sum += w;
+      direct = fma(w, load(from + 6 * plane + q), direct);
+      indirect = fma(w, load(from + 7 * plane + q), indirect);
+    })
+    const vi valid = s.z < (vf)INFINITY;
+    copy_light(from, to, plane, p);
+    store(valid ? direct / sum : (vf)0.0f, to + 6 * plane + p);
+    store(valid ? indirect / sum : (vf)0.0f, to + 7 * plane + p);
+  }
+}
+
+// Luminance of the light at q minus that at p, kept where its square is finite.
+vf luminance_step(global const float* light, long plane, size_t p, size_t q) {
+  vf d = luminance(load(light + q) - load(light + p), load(light + plane + q) - load(light + plane + p),
+                   load(light + 2 * plane + q) - load(light + 2 * plane + p));
+  d = d < (vf)1e18f ? d : (vf)1e18f;
+  return d > (vf)-1e18f ? d : (vf)-1e18f;
+}
+
+vf variance_of(vf sum, vf first, vf second) {
+  const vf mean = first / sum, v = second / sum - mean * mean;
+  return v > (vf)0.0f ? v : (vf)0.0f;
+}
+
+// The variance of the picture over the surface around (Schied et al. 2017, section 4.2), by moments about the
+// centre's luminance: they do not cancel.
+kernel void svgf_variance_spatial(PASS_ARGUMENTS) {
+  const int y = y0 + row_of(get_global_id(1), y1 - y0, step);
+  if (y >= y1) return;
+  FOR_EACH_VECTOR(x, x0, x1) {
+    const size_t p = origin + (size_t)y * stride + x;
+    const Surface s = surface_at(guides, stride, plane, p, k.y);
+    vf sum = 1.0f, direct1 = 0.0f, direct2 = 0.0f, indirect1 = 0.0f, indirect2 = 0.0f;
+    FOR_EACH_CHORD(3, {
+      const vf w = normal_weight(s, guides, plane, q) * exp2_of_negative(depth_exponent(s, guides, q, scale));
+      const vf direct = luminance_step(from, plane, p, q);
+      const vf indirect = luminance_step(from + 3 * plane, plane, p, q);
+      sum += w;
+      direct1 = fma(w, direct, direct1);
+      direct2 = fma(w, direct * direct, direct2);
+      indirect1 = fma(w, indirect, indirect1);
+      indirect2 = fma(w, indirect * indirect, indirect2);
+    })
+    const vi valid = s.z < (vf)INFINITY;
+    copy_light(from, to, plane, p);
+    store(valid ? variance_of(sum, direct1, direct2) : (vf)0.0f, to + 6 * plane + p);
+    store(valid ? variance_of(sum, indirect1, indirect2) : (vf)0.0f, to + 7 * plane + p);
+  }
+}
+
+// The variance at p smoothed by the 3x3 Gaussian (1/4, 1/2, 1/4)^2 over the valid pixels: steers, is not passed on.
+vf smoothed_variance(global const float* guides, global const float* variance, int stride, size_t p) {
+  vf sum = 0.0f, total = 0.0f;
+#pragma unroll
+  for (int j = -1; j <= 1; ++j) {
+#pragma unroll
+    for (int i = -1; i <= 1; ++i) {
+      const size_t q = p + (long)j * stride + i;
+      const vf g = load(guides + q) < (vf)INFINITY ? (vf)((i ? 0.25f : 0.5f) * (j ? 0.25f : 0.5f)) : (vf)0.0f;
+      sum += g;
+      total = fma(g, load(variance + q), total);
+    }
+  }
+  return total / sum;
+}
+
+// One kind of light on its way through a level.
+typedef struct {
+  vf r, g, b;                          // at the centre
+  vf scale;                            // 1 over the luminance difference at which w_l has fallen to 1/2
+  vf sum, red, green, blue, variance;  // of the weights, the weighted differences, the variance
+} Light;
+
+Light light_at(global const float* guides, global const float* light, global const float* variance, int stride,
+               long plane, size_t p, float4 k) {
+  const float centre = 9.0f / 64;
+  Light a;
+  a.r = load(light + p);
+  a.g = load(light + plane + p);
+  a.b = load(light + 2 * plane + p);
+  a.scale = 1.0f / fma(sqrt(smoothed_variance(guides, variance, stride, p)), (vf)k.z, (vf)k.w);
+  a.sum = centre;
+  a.red = a.green = a.blue = 0.0f;
+  a.variance = centre * centre * load(variance + p);
+  return a;
+}
+
+// `weight` holds the kernel's and the normals' weight, `exponent` log2 of the depths'.
+Light gathered(Light a, global const float* light, global const float* variance, long plane, size_t q, vf weight,
+               vf exponent) {
+  const vf r = load(light + q) - a.r, g = load(light + plane + q) - a.g, b = load(light + 2 * plane + q) - a.b;
+  const vf w = weight * exp2_of_negative(fma(fabs(luminance(r, g, b)), -a.scale, exponent));
+  a.sum += w;
+  a.red = fma(w, r, a.red);
+  a.green = fma(w, g, a.green);
+  a.blue = fma(w, b, a.blue);
+  a.variance = fma(w * w, load(variance + q), a.variance);
+  return a;
+}
+
+// p plus the mean difference, not the mean: a constant picture comes back bit for bit.
+void store_light(Light a, vi valid, global float* light, global float* variance, long plane, size_t p) {
+  const vf scale = 1.0f / a.sum;
+  store(valid ? fma(a.red, scale, a.r) : (vf)0.0f, light + p);
+  store(valid ? fma(a.green, scale, a.g) : (vf)0.0f, light + plane + p);
+  store(valid ? fma(a.blue, scale, a.b) : (vf)0.0f, light + 2 * plane + p);
+  store(valid ? a.variance * scale * scale : (vf)0.0f, variance + p);
+}
+
+kernel void svgf_level(PASS_ARGUMENTS) {
+  const int y = y0 + row_of(get_global_id(1), y1 - y0, step);
+  if (y >= y1) return;
+  FOR_EACH_VECTOR(x, x0, x1) {
+    const size_t p = origin + (size_t)y * stride + x;
+    const Surface s = surface_at(guides, stride, plane, p, k.y);
+    Light direct = light_at(guides, from, from + 6 * plane, stride, plane, p, k);
+    Light indirect = light_at(guides, from + 3 * plane, from + 7 * plane, stride, plane, p, k);
+    FOR_EACH_CHORD(2, {
+      const vf weight = kB3[i + 2] * kB3[j + 2] * normal_weight(s, guides, plane, q);
+      const vf exponent = depth_exponent(s, guides, q, scale);
+      direct = gathered(direct, from, from + 6 * plane, plane, q, weight, exponent);
+      indirect = gathered(indirect, from + 3 * plane, from + 7 * plane, plane, q, weight, exponent);
+    })
+    const vi valid = s.z < (vf)INFINITY;
+    store_light(direct, valid, to, to + 6 * plane, plane, p);
+    store_light(indirect, valid, to + 3 * plane, to + 7 * plane, plane, p);
+  }
+}
+
+// output: RGB over the pixels [x0, x1) x [y0, y1) of the outer region. Invalid pixels keep their colour.
+kernel void finish(global const float* restrict input, int w, int h, global const float* restrict guides,
+                   global const float* restrict signal, int stride, long plane, long origin, int x0, int y0, int x1,
+                   int y1, global float* restrict output) {
+  const int row = get_global_id(1), y = y0 + row;
+  const size_t area = (size_t)w * h, out_area = (size_t)(x1 - x0) * (y1 - y0);
+  if (y >= y1) return;
+  FOR_EACH_VECTOR(x, x0, x1) {
+    global const float* in = input + (size_t)y * w + x;
+    const int n = x1 - x;
+    const size_t p = origin + (size_t)y * stride + x;
+    const vi valid = load(guides + p) < (vf)INFINITY;
+    for (int c = 0; c < 3; ++c) {
+      const vf direct = load_first(in + c * area, n, 0.0f), indirect = load_first(in + (3 + c) * area, n, 0.0f);
+      const vf emission = load_first(in + (6 + c) * area, n, 0.0f);
+      const vf albedo = load_first(in + (9 + c) * area, n, 0.0f);
+      const vf light = load(signal + c * plane + p) + load(signal + (3 + c) * plane + p);
+      const vf color = direct + indirect + emission;
+      const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
+      store_first(valid ? light * albedo_floored(albedo) + emission : kept,
+                  output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), n);
+    }
+  }
+}
