@@ -7,7 +7,7 @@
 #include <iostream>
 #include <new>
 
-#include "cli/command.h"
+#include "cli/subcommand.h"
 #include "cli/version.h"
 #include "core/error.h"
 
@@ -15,11 +15,11 @@ namespace tessera {
 namespace {
 
 constexpr std::array kCommands{
-    Command{"render", "Render a scene on this machine until the image is good enough", describe_render},
-    Command{"compare", "Measure the error of an image against a reference", describe_compare},
-    Command{"devices", "List the OpenCL devices that can filter", describe_devices},
-    Command{"filters", "List the filters, their parameters and halos", describe_filters},
-    Command{"schema", "Print the JSON Schema of the native scene format", describe_schema},
+    Subcommand{"render", "Render a scene on this machine until the image is good enough", describe_render},
+    Subcommand{"compare", "Measure the error of an image against a reference", describe_compare},
+    Subcommand{"devices", "List the OpenCL devices that can filter", describe_devices},
+    Subcommand{"filters", "List the filters, their parameters and halos", describe_filters},
+    Subcommand{"schema", "Print the JSON Schema of the native scene format", describe_schema},
 };
 
 int run(int argc, char** argv) {
@@ -36,7 +36,7 @@ int run(int argc, char** argv) {
       "(image\n"
       "written), 130 interrupted (image written).");
   std::function<int()> chosen;
-  for (const Command& command : kCommands) {
+  for (const Subcommand& command : kCommands) {
     CLI::App* sub = app.add_subcommand(std::string(command.name), std::string(command.summary));
     sub->callback([&chosen, run = command.describe(*sub)] { chosen = run; });
   }

@@ -28,13 +28,13 @@ std::string bar(const Progress& p, int columns) {
   std::string text =
       fmt::format(" {:3.0f}%  round {}  {:.1f}M samples  tiles {}/{}", 100 * p.fraction, p.round,
                   static_cast<double>(p.samples_done) * 1e-6, p.tiles_done, p.tiles_round);
-  if (const std::string error = error_text(p); !error.empty()) text += "  " + error;
-  text += "  " + duration(p.seconds);
+  if (const std::string error = error_text(p); !error.empty()) text += fmt::format("  {}", error);
+  text += fmt::format("  {}", duration(p.seconds));
   if (p.seconds_left) text += fmt::format(" (~{} left)", duration(*p.seconds_left));
   const int room = std::clamp(columns - static_cast<int>(text.size()) - 3, 0, 30);
   if (room < 5) return text.substr(0, static_cast<std::size_t>(std::max(columns - 1, 0)));
   const int full = static_cast<int>(std::lround(room * p.fraction));
-  return "[" + std::string(full, '#') + std::string(room - full, '.') + "]" + text;
+  return fmt::format("[{}{}]{}", std::string(full, '#'), std::string(room - full, '.'), text);
 }
 
 std::string json(const Progress& p) {
@@ -72,10 +72,9 @@ std::string progress_text(ProgressStyle style, const Progress& p, int columns) {
 
 bool ProgressDisplay::due(const Progress& p) const {
   const double silence = p.seconds - shown_.seconds;
-  if (style_ == ProgressStyle::bar || style_ == ProgressStyle::json)
-    return silence >= kBarInterval || p.round != shown_.round || p.fraction >= 1;
-  return silence >= kMostSilence || p.round != shown_.round || p.fraction >= shown_.fraction + 0.01 ||
-         p.fraction >= 1;
+  if (p.round != shown_.round || (p.fraction >= 1 && shown_.fraction < 1)) return true;
+  if (style_ == ProgressStyle::bar || style_ == ProgressStyle::json) return silence >= kBarInterval;
+  return silence >= kMostSilence || p.fraction >= shown_.fraction + 0.01;
 }
 
 void ProgressDisplay::show(const Progress& now) {

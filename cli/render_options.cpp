@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "cli/compare.h"
 #include "core/error.h"
 #include "core/exr.h"
 #include "core/sample_range.h"
@@ -38,7 +39,7 @@ AovSet parse_aovs(const std::vector<std::string>& names) {
   std::string all;
   for (int a = 1; a < kAovs; ++a) {
     const AovInfo& i = info(static_cast<Aov>(a));
-    all += (a > 1 ? ", " : "") + std::string(i.name.empty() ? i.channels : i.name);
+    all += fmt::format("{}{}", a > 1 ? ", " : "", i.name.empty() ? i.channels : i.name);
   }
   for (const std::string& name : names) {
     bool found = false;
@@ -70,16 +71,6 @@ double parse_target(const std::string& text) {
   if (!value || !(*value > 0) || !std::isfinite(*value))
     refuse("--until", text, "draft, good, final, or relmse=X with X above 0");
   return *value;
-}
-
-Size parse_size(const std::string& text) {
-  const std::string_view all = text;
-  const std::size_t x = all.find('x');
-  const auto width = number<int>(all.substr(0, x));
-  const auto height = x == all.npos ? width : number<int>(all.substr(x + 1));
-  if (!width || !height || *width < 1 || *height < 1 || *width > kMaxEdge || *height > kMaxEdge)
-    refuse("--tile-size", text, fmt::format("N or WxH, each 1 to {}", kMaxEdge));
-  return {*width, *height};
 }
 
 Region crop_region(const std::vector<double>& ndc, Size frame) {
@@ -163,7 +154,9 @@ Job job_of(const RenderOptions& o) {
   job.filter = parse_filter(o.filter);
   job.render.aovs = AovSet{Aov::color} | aovs_of(job.filter.description().inputs) | parse_aovs(o.aovs);
   job.frame = o.frame;
-  job.tile = parse_size(o.tile_size);
+  const auto tile = parse_tile_size(o.tile_size);
+  if (!tile) refuse("--tile-size", o.tile_size, fmt::format("N or WxH, each 1 to {}", kMaxEdge));
+  job.tile = *tile;
   if (!o.until.empty() || (o.samples == 0 && o.seconds == 0))
     job.acceptance.relmse = parse_target(o.until.empty() ? "good" : o.until);
   if (o.samples != 0) job.acceptance.max_samples = most_samples(o.samples);

@@ -47,9 +47,6 @@ Job job_of(const RenderOptions&);
 // "relmse=0.0025", "0.0025", "draft" (1e-2), "good" (2.5e-3), "final" (5e-4).
 double parse_target(const std::string& text);
 
-// "256" or "37x53".
-Size parse_size(const std::string& text);
-
 // Pixels of the normalised crop window, at least one.
 Region crop_region(const std::vector<double>& ndc, Size frame);
 

@@ -63,7 +63,7 @@ Frame::Frame(const Job& job)
     : job_(job),
       cells_(plan_cells(job)),
       tiles_(plan_tiles(job)),
-      film_(job.region(), job.render.aovs | AovSet{Aov::color} | aovs_of(job.filter.description().inputs)),
+      film_(job.region(), film_aovs(job)),
       stitched_(job.region(), kFilteredPlanes),
       have_(cells_.size(), 0),
       tiles_of_cell_(cells_.size()),
@@ -76,6 +76,14 @@ Frame::Frame(const Job& job)
     for (const Region& part : grid_cells(tiles_[t].outer, {kCellEdge, kCellEdge}))
       tiles_of_cell_[cell_at(part.x0, part.y0)].push_back(t);
   }
+}
+
+// The film, its blocks that wait for a sibling, the stitched planes, what was seen of both, and a copy to
+// write.
+double Frame::bytes(const Job& job) {
+  const double film = FilmLayout(film_aovs(job)).planes();
+  return static_cast<double>(job.region().area()) * sizeof(float) *
+         (3 * film + kFilteredPlanes + kSeenPlanes + 4);
 }
 
 std::vector<Work> Frame::begin() { return start_round(first_round(job_.acceptance, cells_.size())); }
@@ -216,7 +224,9 @@ double Frame::samples_after_this_round() const {
     double needed = want_[c];
     if (!rule.relmse)
       needed = rule.max_samples;
-    else if (!decision_.cells.empty() && decision_.cells[c].status == CellStatus::open)
+    else if (!seen())
+      needed = 4.0 * want_[c];  // nothing is known yet: two more rounds
+    else if (decision_.cells[c].status == CellStatus::open)
       needed = have_[c] * std::pow(std::max(1.0, decision_.cells[c].error.upper(1.645) / *rule.relmse), 1.25);
     samples += static_cast<double>(cells_[c].area()) *
                (std::clamp<double>(needed, want_[c], rule.max_samples) - want_[c]);
@@ -237,7 +247,7 @@ Progress Frame::progress(double seconds) const {
   p.seconds = seconds;
   const double done = static_cast<double>(samples_done_);
   const double all = static_cast<double>(samples_round_) + samples_after_this_round();
-  p.fraction = stopped() ? 1.0 : all > 0 ? done / all : 0.0;
+  p.fraction = stopped() ? 1.0 : std::min(0.999, done / all);
   if (done > 0 && !stopped()) p.seconds_left = seconds * (all - done) / done;
   return p;
 }

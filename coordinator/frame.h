@@ -41,6 +41,9 @@ class Frame {
  public:
   explicit Frame(const Job& job);
 
+  // What it will hold in memory, at the most.
+  static double bytes(const Job& job);
+
   // The first round's work.
   std::vector<Work> begin();
   // Take a result of a task of this round; a repeat changes nothing. fold() returns the filter tasks that it

@@ -6,6 +6,10 @@
 
 namespace tessera {
 
+AovSet film_aovs(const Job& job) {
+  return job.render.aovs | AovSet{Aov::color} | aovs_of(job.filter.description().inputs);
+}
+
 std::vector<Tile> plan_tiles(const Job& job) { return tiles_over(job.region(), job.tile, job.filter.halo()); }
 
 std::vector<Region> plan_cells(const Job& job) { return grid_cells(job.region(), {kCellEdge, kCellEdge}); }

@@ -11,6 +11,9 @@
 
 namespace tessera {
 
+// What the film of the job keeps: what was asked for, and what the filter and the stop rule need.
+AovSet film_aovs(const Job&);
+
 // The frame's tiles, with the halo of the job's filter.
 std::vector<Tile> plan_tiles(const Job&);
 

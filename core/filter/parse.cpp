@@ -9,14 +9,14 @@
 
 #include "core/error.h"
 #include "core/filter/filter.h"
-#include "core/filter/nearest.h"
+#include "core/nearest.h"
 
 namespace tessera {
 namespace {
 
 std::string suggestion(std::string_view word, std::span<const std::string_view> names) {
-  const auto meant = nearest(word, names);
-  return fmt::format("{}; accepted: {}", meant ? fmt::format("; did you mean '{}'?", *meant) : "",
+  const std::string_view meant = nearest(word, names);
+  return fmt::format("{}; accepted: {}", meant.empty() ? "" : fmt::format("; did you mean '{}'?", meant),
                      fmt::join(names, ", "));
 }
 

@@ -9,7 +9,7 @@
 #include "core/scene/files.h"
 #include "core/scene/finish.h"
 #include "core/scene/import.h"
-#include "core/scene/nearest.h"
+#include "core/nearest.h"
 #include "embedded_schema.h"
 
 namespace tessera {

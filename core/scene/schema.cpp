@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "core/error.h"
-#include "core/scene/nearest.h"
+#include "core/nearest.h"
 
 namespace tessera {
 namespace {

@@ -11,7 +11,7 @@
 #include "core/scene/import.h"
 #include "core/scene/load.h"
 #include "core/scene/native/parts.h"
-#include "core/scene/nearest.h"
+#include "core/nearest.h"
 #include "core/scene/schema.h"
 
 namespace tessera {

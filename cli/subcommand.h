@@ -9,11 +9,13 @@
 
 namespace tessera {
 
-struct Command {
+struct Subcommand {
   std::string_view name, summary;
   // Adds the options to the parser and returns what runs once they are parsed; its result is the exit code.
   std::function<int()> (*describe)(CLI::App&);
 };
+
+int run_list_devices();  // what `devices` does, and render --list-devices
 
 std::function<int()> describe_render(CLI::App&);
 std::function<int()> describe_compare(CLI::App&);

@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// The subcommands that only list what there is: devices, filters, schema.
+// The small subcommands: devices, filters, schema, compare.
 #include <fmt/format.h>
 
 #include <iostream>
 
-#include "cli/command.h"
+#include "cli/compare.h"
+#include "cli/subcommand.h"
 #include "core/error.h"
 #include "core/filter/filter.h"
 #include "core/scene/load.h"
 #include "worker/denoise/device.h"
 
 namespace tessera {
-namespace {
-
-int list_devices_command() {
+int run_list_devices() {
   const std::vector<DeviceInfo> devices = list_devices();
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const DeviceInfo& d = devices[i];
@@ -25,6 +24,8 @@ int list_devices_command() {
   std::cerr << "tessera: no OpenCL device; on Debian: apt install pocl-opencl-icd\n";
   return static_cast<int>(ExitCode::no_device);
 }
+
+namespace {
 
 std::string accepted(const Parameter& p) {
   return p.choices.empty() ? fmt::format("{} to {}", p.low, p.high)
@@ -46,13 +47,19 @@ void print_filter(const FilterDescription& d) {
 
 }  // namespace
 
-std::function<int()> describe_devices(CLI::App&) { return list_devices_command; }
+std::function<int()> describe_devices(CLI::App&) { return run_list_devices; }
 
 std::function<int()> describe_filters(CLI::App&) {
   return [] {
     for (const FilterDescription& d : filters()) print_filter(d);
     return 0;
   };
+}
+
+std::function<int()> describe_compare(CLI::App& app) {
+  auto options = std::make_shared<CompareOptions>();
+  describe(app, *options);
+  return [options] { return compare(*options, std::cout); };
 }
 
 std::function<int()> describe_schema(CLI::App&) {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/scene/nearest.h"
+#include "core/nearest.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace tessera {
@@ -12,18 +13,21 @@ namespace {
 
 constexpr std::size_t kLongest = 64;  // letters looked at: a key may be megabytes of somebody's choosing
 
-std::size_t distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] != b[j]);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
+// Optimal string alignment distance: dynamic programming over the prefixes of both words.
+std::size_t slips(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before, last(b.size() + 1), now(b.size() + 1);
+  std::iota(last.begin(), last.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    now[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      now[j] = std::min({last[j] + 1, now[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        now[j] = std::min(now[j], before[j - 2] + 1);
     }
+    before = std::exchange(last, now);
+    now.resize(b.size() + 1);
   }
-  return row.back();
+  return last[b.size()];
 }
 
 }  // namespace
@@ -33,7 +37,7 @@ std::string_view nearest(std::string_view name, std::span<const std::string_view
   std::string_view best;
   std::size_t least = std::max<std::size_t>(name.size() / 2, 1) + 1;
   for (const std::string_view candidate : known) {
-    const std::size_t d = distance(name, candidate.substr(0, kLongest));
+    const std::size_t d = slips(name, candidate.substr(0, kLongest));
     if (d >= least) continue;
     least = d;
     best = candidate;

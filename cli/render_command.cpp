@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// tessera render: a local farm, one frame, files.
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "cli/local_farm.h"
+#include "cli/render_options.h"
+#include "cli/signals.h"
+#include "cli/subcommand.h"
+#include "cli/version.h"
+#include "coordinator/output.h"
+#include "core/error.h"
+#include "core/png.h"
+#include "core/scene/load.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+void set_up_log(const RenderOptions& o) {
+  auto log = std::make_shared<spdlog::logger>("tessera", std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  log->set_level(spdlog::level::from_str(o.verbose && o.log_level == "warning" ? "info" : o.log_level));
+  log->set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %l %v", spdlog::pattern_time_type::utc);
+  spdlog::set_default_logger(std::move(log));
+}
+
+ProgressStyle progress_style(const RenderOptions& o) {
+  if (o.quiet || o.progress == "none") return ProgressStyle::none;
+  if (o.progress == "bar") return ProgressStyle::bar;
+  if (o.progress == "lines") return ProgressStyle::lines;
+  if (o.progress == "json") return ProgressStyle::json;
+  if (o.progress == "openjd") return ProgressStyle::openjd;
+  return usual_progress_style(isatty(STDERR_FILENO) != 0, std::getenv("OPENJD_SESSION_WORKING_DIR"));
+}
+
+fs::path output_file(const RenderOptions& o) {
+  const fs::path file =
+      o.output.empty() ? fs::path(o.scene).filename().replace_extension(".exr") : fs::path(o.output);
+  if (file.extension() != ".exr")
+    throw Error(
+        ExitCode::bad_usage,
+        fmt::format("--output: '{}' is not accepted; accepted: a name ending in .exr", file.string()));
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  if (!fs::is_directory(folder))
+    throw Error(ExitCode::bad_usage, fmt::format("--output: there is no folder '{}'", folder.string()));
+  return file;
+}
+
+// A frame that cannot fit is refused before anything is rendered.
+void require_memory(const Job& job) {
+  const double pages = static_cast<double>(sysconf(_SC_PHYS_PAGES)),
+               page = static_cast<double>(sysconf(_SC_PAGESIZE));
+  const double needed = Frame::bytes(job), there = pages * page;
+  if (needed > there)
+    throw Error(
+        ExitCode::out_of_memory,
+        fmt::format("the frame needs {:.1f} GiB, this machine has {:.1f}; try --crop or a smaller size",
+                    needed / (1u << 30), there / (1u << 30)));
+}
+
+void write(const RenderOptions& o, const fs::path& file, const Job& job, const JobReport& report,
+           const std::string& device) {
+  const Provenance from{std::string(kVersion), device, job.scene.hash, report.seconds, report.dropped};
+  write_exr(file, layered(job, report.image, from), o.compression);
+  write_png(fs::path(file).replace_extension(".png"), report.image.filtered, static_cast<float>(o.exposure));
+}
+
+int exit_code(const JobReport& report) {
+  switch (report.image.stop.value_or(StopReason::interrupted)) {
+    case StopReason::accepted:
+      return static_cast<int>(ExitCode::done);
+    case StopReason::interrupted:
+      return static_cast<int>(ExitCode::interrupted);
+    default:
+      return static_cast<int>(ExitCode::stopped_at_limit);
+  }
+}
+
+void summarise(const Job& job, const JobReport& report, const fs::path& file) {
+  const double samples = static_cast<double>(report.image.pixel_samples);
+  fmt::print("{}\n{:.1f} M pixel samples ({:.1f} per pixel) in {} rounds, {:.1f} s\n{}\n",
+             verdict(job, report.image), samples * 1e-6, samples / static_cast<double>(job.region().area()),
+             report.image.rounds, report.seconds, file.string());
+  if (report.dropped > 0) fmt::print("{} samples were not finite and were dropped\n", report.dropped);
+}
+
+int render_scene(const RenderOptions& o) {
+  set_up_log(o);
+  if (o.scene.empty())
+    throw Error(ExitCode::bad_usage, "render: which scene? accepted: a .json, .gltf, .glb or .obj file");
+  Job job = job_of(o);
+  const fs::path file = output_file(o);
+  require_memory(job);
+
+  Coordinator* coordinator = nullptr;
+  Signals signals([&](int signal) {
+    if (coordinator == nullptr) _exit(static_cast<int>(ExitCode::interrupted));
+    signal == SIGUSR1 ? coordinator->request_snapshot() : coordinator->interrupt();
+  });
+  const auto scene = std::make_shared<const Scene>(load_scene(o.scene));
+  for (const std::string& warning : scene->warnings) spdlog::warn("{}: {}", o.scene, warning);
+  camera_index(*scene, o.camera);
+  job.scene.hash = content_hash(*scene);
+
+  LocalFarm farm(scene, o.threads > 0 ? o.threads : usable_threads(),
+                 o.device);
+  coordinator = &farm.coordinator();
+  const ProgressStyle style = progress_style(o);
+  JobReport report;
+  {
+    ProgressDisplay display(style, style == ProgressStyle::bar ? stderr : stdout);
+    report = farm.coordinator().run(
+        job, {.progress = [&](const Progress& p) { display.show(p); },
+              .snapshot = [&](const JobReport& now) { write(o, file, job, now, farm.device_class()); }});
+  }
+  if (report.failure)
+    throw Error(report.bad_input ? ExitCode::bad_input : ExitCode::job_failed, *report.failure);
+  write(o, file, job, report, farm.device_class());
+  if (!o.quiet) summarise(job, report, file);
+  return job.acceptance.relmse || report.image.stop != StopReason::max_samples ? exit_code(report) : 0;
+}
+
+}  // namespace
+
+std::function<int()> describe_render(CLI::App& app) {
+  auto options = std::make_shared<RenderOptions>();
+  describe(app, *options);
+  return [options] {
+    if (!options->list_devices) return render_scene(*options);
+    return run_list_devices();
+  };
+}
+
+}  // namespace tessera
