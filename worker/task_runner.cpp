@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/task_runner.h"
+
+#include <fmt/format.h>
+
+#include <mutex>
+
+#include "core/error.h"
+#include "core/scene/load.h"
+#include "worker/denoise/runner.h"
+#include "worker/latest_cache.h"
+#include "worker/render/render.h"
+
+namespace tessera {
+namespace {
+
+class StandardRunner : public TaskRunner {
+ public:
+  StandardRunner(SceneSource source, RunnerOptions options)
+      : source_(std::move(source)), options_(std::move(options)), scenes_(options_.scenes_kept) {}
+
+  TaskResult run(const Job& job, const Task& task, const Image& input,
+                 const std::atomic<bool>& cancel) override {
+    if (const auto* work = std::get_if<RenderTask>(&task.work)) return run(job, *work, cancel);
+    return run(job, std::get<FilterTask>(task.work), input);
+  }
+
+ private:
+  TaskResult run(const Job& job, const RenderTask& work, const std::atomic<bool>& cancel) {
+    const auto scene = scenes_.find_or_make(job.scene.hash, [&] { return prepare(source_(job.scene)); });
+    return RenderDone{.block = render(*scene, job.render, job.frame, work.region, work.samples, &cancel)};
+  }
+
+  TaskResult run(const Job& job, const FilterTask& work, const Image& input) {
+    const FilmLayout layout(job.render.aovs);
+    if (input.planes() != layout.planes())
+      throw Error(ExitCode::internal_error, fmt::format("filter task: the film has {} planes, not {}",
+                                                        input.planes(), layout.planes()));
+    return FilterDone{.filtered = filter_task(device(), job.filter, input, layout, work.tile, job.region())};
+  }
+
+  Device& device() {
+    const std::lock_guard lock(opening_);
+    if (!device_) device_ = Device::open(options_.device);
+    return *device_;
+  }
+
+  SceneSource source_;
+  RunnerOptions options_;
+  LatestCache<RenderScene> scenes_;
+  std::mutex opening_;  // guards device_; a Device itself may be shared
+  std::unique_ptr<Device> device_;
+};
+
+std::shared_ptr<const Scene> load_checked(const SceneRef& ref) {
+  try {
+    auto scene = std::make_shared<const Scene>(load_scene(ref.path));
+    if (content_hash(*scene) == ref.hash) return scene;
+  } catch (const Error& error) {
+    throw Error(ExitCode::internal_error,
+                fmt::format("not as on the coordinator's machine: {}", error.what()));
+  }
+  throw Error(ExitCode::internal_error, ref.path + ": is another scene than on the coordinator's machine");
+}
+
+// What this binary was compiled for, and what Embree and OpenCL compile for.
+std::string instruction_sets() {
+#if defined(__AVX512F__)
+  const std::string_view built = "avx512";
+#elif defined(__AVX2__)
+  const std::string_view built = "avx2";
+#else
+  const std::string_view built = "base";
+#endif
+  const bool avx512 = __builtin_cpu_supports("avx512f"), avx2 = __builtin_cpu_supports("avx2");
+  return fmt::format("{} on {}", built, avx512 ? "avx512" : avx2 ? "avx2" : "base");
+}
+
+}  // namespace
+
+SceneSource scenes_from_files() { return load_checked; }
+
+SceneSource scene_in_hand(std::shared_ptr<const Scene> scene) {
+  return [scene = std::move(scene)](const SceneRef&) { return scene; };
+}
+
+std::unique_ptr<TaskRunner> make_task_runner(SceneSource source, RunnerOptions options) {
+  return std::make_unique<StandardRunner>(std::move(source), std::move(options));
+}
+
+std::string device_class(const std::string& version, const std::string& device) {
+  std::string text = fmt::format("tessera {} {}", version, instruction_sets());
+  try {
+    const auto opened = Device::open(device);
+    text += fmt::format(" {} {} {}", opened->info().name, opened->info().version, opened->info().driver);
+  } catch (const Error&) {
+    text += " no-device";  // it can still render
+  }
+  return text.substr(0, 256);
+}
+
+}  // namespace tessera

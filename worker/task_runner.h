@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a worker really does with its tasks: renders and filters. Keeps the last scenes made ready.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "core/scene/scene.h"
+#include "worker/denoise/device.h"
+#include "worker/worker.h"
+
+namespace tessera {
+
+// Where scenes come from. Called by one slot at a time; never null, throws an Error. Shared, since a scene
+// lives as long as the longest task that uses it.
+using SceneSource = std::function<std::shared_ptr<const Scene>(const SceneRef&)>;
+
+// Loads SceneRef::path. A file that is missing, broken or of another hash here is this machine's trouble and
+// not the job's (the coordinator could read it), so it never throws Error(bad_input).
+SceneSource scenes_from_files();
+
+// Always the one scene, which is loaded already: local mode.
+SceneSource scene_in_hand(std::shared_ptr<const Scene>);
+
+struct RunnerOptions {
+  std::string device;           // as Device::open takes it; opened when the first filter needs it
+  std::size_t scenes_kept = 2;  // made ready, by content hash; the one used longest ago goes first
+};
+
+std::unique_ptr<TaskRunner> make_task_runner(SceneSource, RunnerOptions = {});
+
+// The unit within which bits are promised equal: version, instruction set, and the OpenCL device with its
+// driver if there is one. `device` as in RunnerOptions.
+std::string device_class(const std::string& version, const std::string& device);
+
+}  // namespace tessera
