@@ -66,7 +66,7 @@ kernel void atrous_level(global const float* restrict guides, global const float
         smaller_if_any(squared_distance(guides, plane, p, p - stride), squared_distance(guides, plane, p, p + stride));
     const vf kx = k.z / (footprint + 1e-30f);
     vf sum = kB3[2] * kB3[2], dr = 0.0f, dg = 0.0f, db = 0.0f;
-#pragma unroll
+#pragma nounroll
     for (int j = -2; j <= 2; ++j) {
 #pragma unroll
       for (int i = -2; i <= 2; ++i) {
