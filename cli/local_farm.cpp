@@ -50,7 +50,7 @@ LocalFarm::LocalFarm(std::shared_ptr<const Scene> scene, int threads, const std:
       runner_(make_task_runner(scene_in_hand(std::move(scene)), {.device = device})),
       dealer_(context_, kEndpoint, "local"),
       worker_({.slots = threads, .version = std::string(kVersion), .device_class = device_class_}, dealer_,
-              runner_),
+              *runner_),
       thread_([this] {
         const WorkerEnd end = worker_.run();
         if (end.why != Farewell::asked) spdlog::error("worker ended: {}", end.reason);

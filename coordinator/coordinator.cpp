@@ -91,7 +91,7 @@ void Coordinator::hear(Mail mail, Instant now) {
         else if constexpr (std::is_same_v<Kind, Heartbeat>)
           tell(Heard{mail.from, message.held}, now);
         else if constexpr (std::is_same_v<Kind, NeedJob>)
-          answer(mail.from, message);
+          answer(mail.from, message, now);
         else if constexpr (std::is_same_v<Kind, RenderDone> || std::is_same_v<Kind, FilterDone>)
           take(mail.from, message, now);
         else if constexpr (std::is_same_v<Kind, TaskFailed>)
@@ -116,7 +116,8 @@ void Coordinator::welcome(const WorkerId& from, const Hello& hello, Instant now)
   tell(Joined{from, hello.slots}, now);
 }
 
-void Coordinator::answer(const WorkerId& from, const NeedJob& need) {
+void Coordinator::answer(const WorkerId& from, const NeedJob& need, Instant now) {
+  tell(Heard{from}, now);
   if (need.id == active_->id)
     road_.send(from, JobOffer{need.id, active_->frame.job()});
   else

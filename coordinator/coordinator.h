@@ -63,7 +63,7 @@ class Coordinator {
   void carry_out(const Forget&, Instant now);
   void carry_out(const AskHello&, Instant now);
   void welcome(const WorkerId& from, const Hello& hello, Instant now);
-  void answer(const WorkerId& from, const NeedJob& need);
+  void answer(const WorkerId& from, const NeedJob& need, Instant now);
   template <class Result>
   void take(const WorkerId& from, Result& result, Instant now);
   bool fits(const RenderDone& result) const;

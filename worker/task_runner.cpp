@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "core/error.h"
+#include "core/plan.h"
 #include "core/scene/load.h"
 #include "worker/denoise/runner.h"
 #include "worker/latest_cache.h"
@@ -28,11 +29,15 @@ class StandardRunner : public TaskRunner {
  private:
   TaskResult run(const Job& job, const RenderTask& work, const std::atomic<bool>& cancel) {
     const auto scene = scenes_.find_or_make(job.scene.hash, [&] { return prepare(source_(job.scene)); });
-    return RenderDone{.block = render(*scene, job.render, job.frame, work.region, work.samples, &cancel)};
+    RenderSettings settings = job.render;
+    settings.aovs = film_aovs(job);
+    RenderDone done{.block = render(*scene, settings, job.frame, work.region, work.samples, &cancel)};
+    done.dropped = dropped(done.block);
+    return done;
   }
 
   TaskResult run(const Job& job, const FilterTask& work, const Image& input) {
-    const FilmLayout layout(job.render.aovs);
+    const FilmLayout layout(film_aovs(job));
     if (input.planes() != layout.planes())
       throw Error(ExitCode::internal_error, fmt::format("filter task: the film has {} planes, not {}",
                                                         input.planes(), layout.planes()));
@@ -88,15 +93,9 @@ std::unique_ptr<TaskRunner> make_task_runner(SceneSource source, RunnerOptions o
   return std::make_unique<StandardRunner>(std::move(source), std::move(options));
 }
 
-std::string device_class(const std::string& version, const std::string& device) {
-  std::string text = fmt::format("tessera {} {}", version, instruction_sets());
-  try {
-    const auto opened = Device::open(device);
-    text += fmt::format(" {} {} {}", opened->info().name, opened->info().version, opened->info().driver);
-  } catch (const Error&) {
-    text += " no-device";  // it can still render
-  }
-  return text.substr(0, 256);
+std::string device_class(const std::string& version, const DeviceInfo& device) {
+  return fmt::format("tessera {} {} {} {} {}", version, instruction_sets(), device.name, device.version, device.driver)
+      .substr(0, 256);
 }
 
 }  // namespace tessera

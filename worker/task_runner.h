@@ -31,8 +31,7 @@ struct RunnerOptions {
 
 std::unique_ptr<TaskRunner> make_task_runner(SceneSource, RunnerOptions = {});
 
-// The unit within which bits are promised equal: version, instruction set, and the OpenCL device with its
-// driver if there is one. `device` as in RunnerOptions.
-std::string device_class(const std::string& version, const std::string& device);
+// The unit within which bits are promised equal: version, instruction set, and the OpenCL device with its driver.
+std::string device_class(const std::string& version, const DeviceInfo& device);
 
 }  // namespace tessera
