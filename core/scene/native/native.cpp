@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <optional>
 #include <set>
 
 #include "core/error.h"
@@ -98,14 +99,22 @@ class Reader {
     return scene_.materials.size() - 1;
   }
 
-  // The material that `node` names; the one of no name if it names none.
+  // The material that `node` names, or the light grey one.
   int material_of(const Node& node) {
+    if (!node.has("material")) return grey();
     const std::string name = node.text("material", {});
     const auto it = materials_.find(name);
     if (it != materials_.end()) return static_cast<int>(it->second.front());
-    if (!node.has("material")) return static_cast<int>(add_material({}));
     const auto names = keys_of(materials_);
     throw InputError(node.at("material").where(), unknown("material", name, names), listed(names));
+  }
+
+  int grey() {
+    if (!grey_) {
+      grey_ = static_cast<int>(scene_.materials.size());
+      scene_.materials.emplace_back();
+    }
+    return *grey_;
   }
 
   void read_meshes(const Node& meshes) {
@@ -151,6 +160,7 @@ class Reader {
   int depth_;
   Scene scene_;
   PictureShelf shelf_;
+  std::optional<int> grey_;                                    // what has no material gets this one
   std::map<std::string, std::vector<std::size_t>> materials_;  // by name; several if imported
   std::map<std::string, std::vector<Instance>> meshes_;        // by name: what it stands for
   std::set<std::string> placed_;                               // meshes that an instance names

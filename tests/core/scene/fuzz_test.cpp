@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files with some bytes changed, cut or repeated: each loads or is refused with an InputError, nothing else.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/scene/pictures.h"
+#include "tests/core/scene/folder.h"
+#include "tests/core/scene/glb.h"
+
+namespace tessera {
+namespace {
+
+std::string spoilt(std::string bytes, std::mt19937& random) {
+  static const std::string odd = "\"{}[],:-0129eE.#\n \\/\0\xff\x80\x01nN";
+  const auto somewhere = [&] { return random() % bytes.size(); };
+  for (unsigned n = 1 + random() % 3; n > 0 && !bytes.empty(); --n) {
+    switch (random() % 6) {
+      case 0:
+        bytes[somewhere()] = static_cast<char>(random());
+        break;
+      case 1:
+        bytes[somewhere()] ^= static_cast<char>(1u << random() % 8);
+        break;
+      case 2:
+        bytes[somewhere()] = odd[random() % odd.size()];
+        break;
+      case 3:
+        bytes.erase(somewhere(), 1 + random() % 8);
+        break;
+      case 4:
+        bytes.resize(somewhere());
+        break;
+      default:
+        bytes.insert(somewhere(), bytes.substr(somewhere(), 1 + random() % 16));
+    }
+  }
+  return bytes;
+}
+
+struct Kind {
+  std::string name;
+  int rounds;
+};
+
+void PrintTo(const Kind& kind, std::ostream* os) { *os << kind.name; }
+
+class SpoiltFile : public testing::TestWithParam<Kind> {
+ protected:
+  SpoiltFile() {
+    for (const char* name : {"corners.png", "card.mtl", "card.obj", "card.gltf"})
+      folder_.write(name, contents(kData / name));
+    folder_.write("all.json", contents(kData / "all.json"));
+    folder_.write("plain.glb", glb_with_embedded_image());
+    folder_.write("card.glb", glb_of(contents(kData / "card.gltf"), {}));
+    folder_.write("textured.json", R"({"environment": {"image": "corners.png"}})");
+  }
+  const Folder folder_;
+};
+
+TEST_P(SpoiltFile, LoadsOrIsRefusedInWords) {
+  const std::string name = GetParam().name;
+  const std::string good = contents(folder_.path() / name);
+  const std::string scene = name == "corners.png" ? "textured.json" : name == "card.mtl" ? "card.obj" : name;
+  ASSERT_FALSE(load_scene(folder_.path() / scene).cameras.empty());
+  for (int seed = 0; seed < GetParam().rounds; ++seed) {
+    std::mt19937 random(static_cast<unsigned>(seed));
+    folder_.write(name, spoilt(good, random));
+    try {
+      load_scene(folder_.path() / scene);
+    } catch (const InputError&) {
+    } catch (const std::exception& e) {
+      FAIL() << "seed " << seed << ": " << e.what();
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, SpoiltFile,
+                         testing::Values(Kind{"all.json", 1000}, Kind{"card.gltf", 2000},
+                                         Kind{"card.glb", 2000}, Kind{"plain.glb", 2000},
+                                         Kind{"card.obj", 2000}, Kind{"card.mtl", 1000},
+                                         Kind{"corners.png", 2000}),
+                         [](const auto& test) {
+                           std::string name = test.param.name;
+                           name[name.find('.')] = '_';
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace tessera
