@@ -1,25 +1,71 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/obj.h"
 
+#include <assimp/MemoryIOWrapper.h>
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
+#include <assimp/IOStream.hpp>
+#include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
-#include <sstream>
+#include <deque>
 
 #include "core/error.h"
 #include "core/scene/files.h"
 #include "core/scene/import.h"
+#include "core/scene/mtl.h"
 #include "core/scene/pictures.h"
 
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t kMaxBytes = 4ull << 30;
+constexpr std::uint64_t kMaxBytes = 4ull << 30, kMaxMtlBytes = 64ull << 20;
 
 Vec3 as_vec3(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+
+// What assimp gets to read: the OBJ itself, and material files only after a check (mtl.h). Nothing else.
+class CheckedFiles : public Assimp::IOSystem {
+ public:
+  CheckedFiles(std::string obj, std::filesystem::path file, std::vector<std::string>& warnings)
+      : obj_(std::move(obj)), file_(std::move(file)), warnings_(warnings) {
+    if (obj_.find('\0') != std::string::npos)
+      throw InputError(file_.string(), "this is no text", "Wavefront OBJ");
+  }
+
+  bool Exists(const char* name) const override { return is_obj(name) || is_file(name); }
+  char getOsSeparator() const override { return '/'; }
+  void Close(Assimp::IOStream* stream) override { delete stream; }
+
+  Assimp::IOStream* Open(const char* name, const char*) override {
+    if (is_obj(name)) return stream_of(obj_);
+    const std::string shown = std::filesystem::path(name).filename().string();
+    if (!is_file(name)) {
+      warnings_.push_back(fmt::format("there is no material library '{}'", shown));
+      return nullptr;
+    }
+    CheckedMtl mtl = checked_mtl(read_file(name, kMaxMtlBytes));
+    for (const std::string& text : mtl.warnings) warnings_.push_back(fmt::format("{}:{}", shown, text));
+    libraries_.push_back(std::move(mtl.text));
+    return stream_of(libraries_.back());
+  }
+
+ private:
+  bool is_obj(const char* name) const { return file_.string() == name; }
+  static bool is_file(const char* name) {
+    std::error_code error;
+    return std::filesystem::is_regular_file(name, error);
+  }
+  static Assimp::IOStream* stream_of(const std::string& text) {
+    return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  }
+
+  std::string obj_;
+  std::filesystem::path file_;
+  std::deque<std::string> libraries_;
+  std::vector<std::string>& warnings_;
+};
 
 class Converter {
  public:
@@ -106,27 +152,13 @@ class Converter {
   PictureShelf shelf_;
 };
 
-// assimp only logs a material library it cannot find.
-void warn_of_missing_libraries(Scene& scene, const std::filesystem::path& file, const std::string& text) {
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    if (!line.starts_with("mtllib")) continue;
-    std::string name = line.substr(6);
-    while (!name.empty() && std::isspace(static_cast<unsigned char>(name.front()))) name.erase(0, 1);
-    while (!name.empty() && std::isspace(static_cast<unsigned char>(name.back()))) name.pop_back();
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(file.parent_path() / name, error))
-      warn(scene, fmt::format("{}: there is no material library '{}'", file.string(), name));
-  }
-}
-
 }  // namespace
 
 Scene read_obj(const std::filesystem::path& file, std::string_view where) {
-  const std::string text = read_file(file, kMaxBytes, where);
-  if (text.find('\0') != std::string::npos)
-    throw InputError(file.string(), "this is no text", "Wavefront OBJ");
   Assimp::Importer importer;
+  std::vector<std::string> warnings;
+  importer.SetIOHandler(
+      new CheckedFiles(read_file(file, kMaxBytes, where), file, warnings));  // the importer owns it
   const aiScene* read = nullptr;
   try {
     read = importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_JoinIdenticalVertices |
@@ -136,7 +168,7 @@ Scene read_obj(const std::filesystem::path& file, std::string_view where) {
   }
   if (!read) throw InputError(file.string(), importer.GetErrorString(), "Wavefront OBJ");
   Scene scene = Converter(*read, file).convert();
-  warn_of_missing_libraries(scene, file, text);
+  for (const std::string& text : warnings) warn(scene, fmt::format("{}: {}", file.string(), text));
   return scene;
 }
 

@@ -46,7 +46,8 @@ class SchemaAgreement : public testing::Test {
 // Every value in `document`, by pointer.
 std::vector<json::json_pointer> pointers_in(const json& document) {
   std::vector<json::json_pointer> pointers;
-  for (const auto& [pointer, value] : document.flatten().items()) {
+  const json flat = document.flatten();
+  for (const auto& [pointer, value] : flat.items()) {
     json::json_pointer p(pointer);
     for (; !p.empty(); p.pop_back()) pointers.push_back(p);
   }
