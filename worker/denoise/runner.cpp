@@ -91,7 +91,7 @@ class Run {
   // Fills the pads, unless the last call left them as this one needs them: see kernels/common.cl.
   void lay_out() {
     for (const Slot s : {kGuides, kEven, kOdd}) buffer(s);
-    std::string now = fmt::format("{} {} {}", recipe_.name, outer_.width(), outer_.height());
+    std::string now = fmt::format("{} {} {} {}", recipe_.name, outer_.width(), outer_.height(), layout_.pad);
     if (device_.workspace_layout() == now) return;
     const std::size_t plane = static_cast<std::size_t>(layout_.plane);
     device_.fill(buffer(kGuides), std::numeric_limits<float>::infinity(), 0, plane);

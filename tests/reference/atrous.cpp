@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/reference/atrous.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "tests/reference/features.h"
+
+namespace tessera::reference {
+namespace {
+
+using Plane = std::vector<Rgb>;
+
+// Squared distance of the surface points of two pixels; nothing if either is invalid.
+std::optional<double> squared_distance(const Features& f, int x, int y, int qx, int qy) {
+  if (!f.valid(x, y) || !f.valid(qx, qy)) return std::nullopt;
+  return squared(difference(f.rgb(Aov::position, qx, qy), f.rgb(Aov::position, x, y)));
+}
+
+double nearer(std::optional<double> a, std::optional<double> b) {
+  if (a && b) return std::min(*a, *b);
+  return a ? *a : b.value_or(0.0);
+}
+
+// Squared size of a pixel on the surface: distance to the next pixel's point, per axis on the nearer side.
+double squared_footprint(const Features& f, int x, int y) {
+  return nearer(squared_distance(f, x, y, x - 1, y), squared_distance(f, x, y, x + 1, y)) +
+         nearer(squared_distance(f, x, y, x, y - 1), squared_distance(f, x, y, x, y + 1));
+}
+
+Plane level(const FilterPlan& plan, const Features& f, const Plane& from, int step) {
+  const auto square = [](double v) { return v * v; };
+  const double color2 = square(plan["sigma_c"] / step), normal2 = square(plan["sigma_n"] * step),
+               position2 = square(plan["sigma_x"] * step);
+  Plane to = from;
+  const Region& r = f.region();
+  for (int y = r.y0; y < r.y1; ++y)
+    for (int x = r.x0; x < r.x1; ++x) {
+      if (!f.valid(x, y)) continue;
+      const Rgb& c = from[f.index(x, y)];
+      const double footprint2 = squared_footprint(f, x, y);
+      double sum = 0;
+      Rgb total{};
+      for (int j = -2; j <= 2; ++j)
+        for (int i = -2; i <= 2; ++i) {
+          const int qx = x + i * step, qy = y + j * step;
+          if (!f.valid(qx, qy)) continue;
+          const Rgb& cq = from[f.index(qx, qy)];
+          const double distance2 = *squared_distance(f, x, y, qx, qy);
+          double exponent = squared(difference(cq, c)) / color2;
+          exponent += squared(difference(f.unit_normal(qx, qy), f.unit_normal(x, y))) / normal2;
+          if (distance2 > 0) exponent += distance2 / (position2 * (footprint2 + 1e-30));
+          const double w = b3(i) * b3(j) * std::exp(-exponent);
+          sum += w;
+          for (int k = 0; k < 3; ++k) total[k] += w * cq[k];
+        }
+      for (int k = 0; k < 3; ++k) to[f.index(x, y)][k] = total[k] / sum;
+    }
+  return to;
+}
+
+}  // namespace
+
+Image atrous(const FilterPlan& plan, const Image& input) {
+  const Features f(plan, input);
+  const Region& r = input.region();
+  Plane light(static_cast<std::size_t>(r.area()));
+  for (int y = r.y0; y < r.y1; ++y)
+    for (int x = r.x0; x < r.x1; ++x) {
+      if (!f.valid(x, y)) continue;
+      const Rgb lit = difference(f.rgb(Aov::color, x, y), f.rgb(Aov::emission, x, y));
+      const Rgb albedo = floored(f.rgb(Aov::albedo, x, y));
+      light[f.index(x, y)] = {lit[0] / albedo[0], lit[1] / albedo[1], lit[2] / albedo[2]};
+    }
+  for (const Pass& pass : plan.passes()) light = level(plan, f, light, pass.step);
+  Image out(r, 3);
+  for (int k = 0; k < 3; ++k)
+    for (int y = r.y0; y < r.y1; ++y)
+      for (int x = r.x0; x < r.x1; ++x) {
+        const double color = f.at(Aov::color, k, x, y);
+        const double lit = light[f.index(x, y)][k] * floored(f.rgb(Aov::albedo, x, y))[k];
+        out.at(k, x, y) = static_cast<float>(f.valid(x, y)          ? lit + f.at(Aov::emission, k, x, y)
+                                             : std::isfinite(color) ? color
+                                                                    : 0.0);
+      }
+  return out;
+}
+
+}  // namespace tessera::reference

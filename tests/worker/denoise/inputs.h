@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Made-up inputs for filters: two surfaces with an edge between them, textured, noisy, under a sky.
+#pragma once
+
+#include <string_view>
+
+#include "core/filter/filter.h"
+#include "core/image.h"
+
+namespace tessera {
+
+// noise: everything random   constant: the same light on flat, bare surfaces   sky: noise with a disc and
+// single pixels of sky   converged: noise of variance 0   firefly: noise with a few pixels 1e6 times brighter
+// extreme: light from 1e-30 to 1e30
+inline constexpr std::string_view kKinds[] = {"noise", "constant", "sky", "converged", "firefly", "extreme"};
+
+// The planes of plan.description().inputs over `region`. A pixel's values depend on its coordinates and
+// `seed` only.
+Image made_up_input(const FilterPlan& plan, const Region& region, std::string_view kind, unsigned seed = 1);
+
+// The plane of a channel in the filter's input.
+int plane_of(const FilterPlan& plan, Aov aov, int index, Statistic statistic = Statistic::mean);
+
+// Makes (x, y) sky of the given radiance.
+void put_sky(Image& input, const FilterPlan& plan, int x, int y, float radiance);
+
+}  // namespace tessera

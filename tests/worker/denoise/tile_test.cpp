@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// No seam: what a tile yields is what the whole frame yields, bit for bit.
+#include <thread>
+
+#include "tests/worker/denoise/denoise_test.h"
+
+namespace tessera {
+namespace {
+
+class Tiles : public OnDevice {};
+
+TEST_F(Tiles, OfAnySizeEqualTheWholeFrameBitForBit) {
+  const Region frame{0, 0, 203, 149};
+  for (const std::string_view text : kFilterTexts)
+    for (const std::string_view kind : {"noise", "sky", "firefly"}) {
+      const FilterPlan plan = parse_filter(text);
+      const Image input = made_up_input(plan, frame, kind);
+      const Image whole = filtered(plan, input);
+      for (const Size size : {Size{16, 16}, Size{37, 53}, Size{64, 64}, Size{128, 128}, Size{203, 5}})
+        ASSERT_TRUE(same_bits(stitched(plan, input, size), whole))
+            << text << " on " << kind << " in tiles of " << size.width << "x" << size.height;
+    }
+}
+
+TEST_F(Tiles, OfOnePixelEqualTheWholeFrameBitForBit) {
+  const Region frame{0, 0, 19, 23};
+  for (const std::string_view text : kFilterTexts) {
+    const FilterPlan plan = parse_filter(text);
+    const Image input = made_up_input(plan, frame, "sky");
+    EXPECT_TRUE(same_bits(stitched(plan, input, {1, 1}), filtered(plan, input))) << text;
+  }
+}
+
+TEST_F(Tiles, OfACropAnywhereInTheGridEqualTheWholeCropBitForBit) {
+  for (const Region& crop : {Region{13, 41, 180, 141}, Region{-70, -35, 31, 28}, Region{1000, 3, 1009, 160}})
+    for (const std::string_view text : kFilterTexts) {
+      const FilterPlan plan = parse_filter(text);
+      const Image input = made_up_input(plan, crop, "noise");
+      EXPECT_TRUE(same_bits(stitched(plan, input, {48, 40}), filtered(plan, input)))
+          << text << " at " << crop.x0;
+    }
+}
+
+TEST_F(Tiles, WithOnePixelLessHaloDiffer) {
+  // SVGF's levels read the variance only next to their centre, so its window's last pixel counts one pixel
+  // less far out than the colour's: of svgf's halo one pixel is to spare.
+  struct Case {
+    std::string_view filter;
+    int spare;
+  };
+  const Region frame{0, 0, 220, 210}, inner{90, 85, 130, 125};
+  for (const auto& [text, spare] :
+       {Case{"atrous", 0}, Case{"atrous:levels=2", 0}, Case{"atrous:levels=4", 0}, Case{"svgf:levels=1", 1},
+        Case{"svgf:levels=1,variance=spatial", 1}, Case{"svgf:levels=3", 1}, Case{"svgf", 1}}) {
+    const FilterPlan plan = parse_filter(text);
+    const Image input = made_up_input(plan, frame, "noise");
+    const Image whole = cropped(filtered(plan, input), inner);
+    // What lies beyond `seen` does not exist for the filter.
+    const auto with_halo = [&](int halo) {
+      const Region seen = grown(inner, halo), needed = grown(inner, plan.halo());
+      return filter(*device_, plan, cropped(input, seen), {inner, seen}, intersect(needed, seen));
+    };
+    EXPECT_TRUE(same_bits(with_halo(plan.halo()), whole)) << text;
+    EXPECT_TRUE(same_bits(with_halo(plan.halo() - spare), whole)) << text;
+    EXPECT_FALSE(same_bits(with_halo(plan.halo() - spare - 1), whole)) << text;
+  }
+}
+
+TEST_F(Tiles, DoNotDependOnWhatTheDeviceDidBefore) {
+  const FilterPlan svgf = parse_filter("svgf"), atrous = parse_filter("atrous");
+  const Region large{0, 0, 120, 90}, small{0, 0, 33, 21};
+  const Image a = made_up_input(svgf, large, "extreme"), b = made_up_input(svgf, small, "noise");
+  const Image first = filtered(svgf, b);
+  filtered(svgf, a);
+  filtered(atrous, made_up_input(atrous, small, "extreme"));
+  EXPECT_TRUE(same_bits(filtered(svgf, b), first));
+  filtered(svgf, made_up_input(svgf, small, "extreme"));
+  EXPECT_TRUE(same_bits(filtered(svgf, b), first));
+  const FilterPlan shallow = parse_filter("svgf:levels=1");  // the same planes, otherwise padded
+  filtered(shallow, made_up_input(shallow, small, "noise"));
+  EXPECT_TRUE(same_bits(filtered(svgf, b), first));
+}
+
+TEST_F(Tiles, FilteredByTwoThreadsOnOneDeviceAreTheSame) {
+  const FilterPlan plan = parse_filter("svgf");
+  const Image input = made_up_input(plan, {0, 0, 64, 48}, "noise");
+  const Image expected = filtered(plan, input);
+  std::vector<Image> results(8);
+  std::vector<std::jthread> threads;
+  for (int t = 0; t < 2; ++t)
+    threads.emplace_back([&, t] {
+      for (std::size_t i = t; i < results.size(); i += 2) results[i] = filtered(plan, input);
+    });
+  threads.clear();
+  for (const Image& result : results) EXPECT_TRUE(same_bits(result, expected));
+}
+
+TEST_F(Tiles, WhoseOuterRegionIsNotWhatTheHaloNeedsAreRefused) {
+  const FilterPlan plan = parse_filter("atrous:levels=1");
+  const Region frame{0, 0, 40, 40}, inner{10, 10, 20, 20}, outer = grown(inner, 2);
+  const Image input = made_up_input(plan, outer, "noise");
+  EXPECT_NO_THROW(filter(*device_, plan, input, {inner, outer}, frame));
+  EXPECT_THROW(filter(*device_, plan, input, {inner, inner}, frame), Error);
+  EXPECT_THROW(filter(*device_, plan, input, {{10, 10, 10, 20}, outer}, frame), Error);
+  EXPECT_THROW(filter(*device_, plan, cropped(input, inner), {inner, outer}, frame), Error);
+  EXPECT_THROW(filter(*device_, plan, Image(outer, 3), {inner, outer}, frame), Error);
+}
+
+TEST_F(Tiles, OfATaskAreTheFilteredStatisticsOfAllSamplesAndOfBothHalves) {
+  const Region frame{0, 0, 30, 20};
+  const Tile tile{{4, 4, 12, 15}, {0, 0, 30, 20}};
+  for (const std::string_view text : {"none", "atrous:levels=4", "svgf:levels=4"}) {
+    const FilterPlan plan = parse_filter(text);
+    const auto& inputs = plan.description().inputs;
+    const FilmLayout layout(aovs_of(inputs));
+    const Tile cut{tile.inner, intersect(grown(tile.inner, plan.halo()), frame)};
+    Image sums(cut.outer, layout.planes());
+    for (int p = 0; p < layout.planes(); ++p)
+      for (std::size_t i = 0; i < sums.plane(p).size(); ++i)
+        sums.plane(p)[i] = p < 4 ? 8.0f : static_cast<float>((i * 31 + p * 17) % 101) * (p % 2 ? 0.1f : 0.2f);
+    const Filtered result = filter_task(*device_, plan, sums, layout, cut, frame);
+    ASSERT_EQ(result.planes(), kFilteredPlanes);
+    int plane = 0;
+    for (const Part part : {Part::all, Part::a, Part::b}) {
+      const Image expected = filter(*device_, plan, developed(sums, layout, inputs, part), cut, frame);
+      for (int k = 0; k < 3; ++k, ++plane)
+        EXPECT_TRUE(std::ranges::equal(result.plane(plane), expected.plane(k))) << text << " plane " << plane;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tessera
