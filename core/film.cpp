@@ -3,27 +3,33 @@
 
 #include <algorithm>
 #include <cassert>
+#include <functional>
+#include <vector>
 
 namespace tessera {
 namespace {
 
-struct Sums {
-  float n, hits, sum, square;
-};
+using Plane = std::span<const float>;
 
-float mean(const Sums& s) { return s.n > 0 ? s.sum / s.n : 0.0f; }
-
-float variance_of_mean(const Sums& s) {
-  if (s.n < 2) return 0.0f;
-  const double n = s.n;
-  const double m2 = std::max(0.0, double(s.square) - double(s.sum) * s.sum / n);
-  return static_cast<float>(m2 / ((n - 1) * n));
+// Part of a pair of planes (half A, half B).
+void take(const Image& sums, int plane, Part part, std::span<float> to) {
+  const Plane a = sums.plane(plane), b = sums.plane(plane + 1);
+  if (part == Part::all)
+    std::ranges::transform(a, b, to.begin(), std::plus<>());
+  else
+    std::ranges::copy(part == Part::a ? a : b, to.begin());
 }
 
-float statistic(const Channel& c, const Sums& s) {
-  if (c.statistic == Statistic::variance_of_mean) return variance_of_mean(s);
-  if (c.aov == Aov::depth) return s.hits > 0 ? s.sum / s.hits : kSkyDepth;
-  return mean(s);
+void mean(Plane sum, Plane n, float without, std::span<float> to) {
+  for (std::size_t i = 0; i < to.size(); ++i) to[i] = n[i] > 0 ? sum[i] / n[i] : without;
+}
+
+void variance_of_mean(Plane sum, Plane square, Plane count, std::span<float> to) {
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    const double n = count[i];
+    const double m2 = std::max(0.0, double(square[i]) - double(sum[i]) * sum[i] / n);
+    to[i] = n < 2 ? 0.0f : static_cast<float>(m2 / ((n - 1) * n));
+  }
 }
 
 }  // namespace
@@ -38,19 +44,22 @@ void join(Block& a, const Block& b) {
 
 Image developed(const Image& sums, const FilmLayout& layout, std::span<const Channel> channels, Part part) {
   Image out(sums.region(), static_cast<int>(channels.size()));
-  const auto value = [&](int plane, std::size_t i) {
-    const float a = sums.plane(plane)[i], b = sums.plane(plane + 1)[i];
-    return part == Part::a ? a : part == Part::b ? b : a + b;
-  };
+  const auto scratch = [&] { return std::vector<float>(static_cast<std::size_t>(sums.region().area())); };
+  std::vector<float> count = scratch(), hits = scratch(), sum = scratch(), square = scratch();
+  take(sums, FilmLayout::count(Half::a), part, count);
+  take(sums, FilmLayout::hits(Half::a), part, hits);
   for (std::size_t k = 0; k < channels.size(); ++k) {
     const Channel& c = channels[k];
-    const bool squares = c.statistic == Statistic::variance_of_mean;
-    const int sum = layout.sum(c.aov, c.index, Half::a);
-    const int square = squares ? layout.square(c.aov, c.index, Half::a) : sum;
-    const auto plane = out.plane(static_cast<int>(k));
-    for (std::size_t i = 0; i < plane.size(); ++i)
-      plane[i] = statistic(c, {value(FilmLayout::count(Half::a), i), value(FilmLayout::hits(Half::a), i),
-                               value(sum, i), value(square, i)});
+    const auto to = out.plane(static_cast<int>(k));
+    take(sums, layout.sum(c.aov, c.index, Half::a), part, sum);
+    if (c.statistic == Statistic::variance_of_mean) {
+      take(sums, layout.square(c.aov, c.index, Half::a), part, square);
+      variance_of_mean(sum, square, count, to);
+    } else if (c.aov == Aov::depth) {
+      mean(sum, hits, kSkyDepth, to);
+    } else {
+      mean(sum, count, 0.0f, to);
+    }
   }
   return out;
 }
