@@ -217,14 +217,16 @@ Scheduler::Task* Scheduler::next_for(const Worker& worker) {
   return next;
 }
 
-// Somebody else's task: one that only lies in a queue, else the one that is at work the longest.
+// Somebody else's task: one that only lies in a queue, else the one that is at work the longest. Not one that
+// had chances enough: it would never be without a copy, and never be given up.
 Scheduler::Task* Scheduler::double_for(const Worker& worker) {
   if (!options_.endgame) return nullptr;
   for (const auto* tasks : {&ledger_.lone_queued(), &ledger_.lone_running()}) {
     int looked = 0;
     for (const auto& [since, task] : *tasks) {
       if (++looked > worker.slots + kWindow) break;
-      if (!task->lent_to(worker) && may_try(*task, worker)) return task;
+      const bool chances = task->strikes < options_.max_attempts;
+      if (chances && !task->lent_to(worker) && may_try(*task, worker)) return task;
     }
   }
   return nullptr;

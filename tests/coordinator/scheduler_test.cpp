@@ -128,6 +128,22 @@ TEST(Scheduler, AFailureThatIsToldTwiceCountsOnce) {
   EXPECT_THAT(s.handle(Done{"a", 1, 2}, at(2)), ElementsAre(Accept{1}));
 }
 
+// Else an idle worker would take a second copy each time one fails, and it would never be without.
+TEST(Scheduler, ATaskThatFailsOnTwoIdleWorkersIsGivenUpToo) {
+  Scheduler s(kPlain);
+  s.handle(Joined{"a", 1}, at(0));
+  s.handle(Joined{"b", 1}, at(0));
+  std::vector<AssignTask> todo = only<AssignTask>(s.handle(wishes(1, 2), at(0)));
+  std::size_t given_up = 0;
+  for (std::size_t i = 0; i < todo.size() && i < 100; ++i) {
+    const auto commands = s.handle(Failed{todo[i].worker, 1, todo[i].attempt, "poison"}, at(1));
+    given_up += only<GiveUp>(commands).size();
+    for (const AssignTask& next : only<AssignTask>(commands)) todo.push_back(next);
+  }
+  EXPECT_EQ(given_up, 1u);
+  EXPECT_LE(todo.size(), 4u);
+}
+
 TEST(Scheduler, BadInputIsGivenUpAtOnce) {
   Scheduler s(kPlain);
   s.handle(Joined{"a", 1}, at(0));
