@@ -56,6 +56,20 @@ ErrorEstimate jackknife(const std::vector<BlockSum>& blocks) {
 
 }  // namespace
 
+// r is the mean of Y over 9x9 pixels. Y itself will not do: a pixel that is too bright by chance would get a
+// small weight and hide its own error; and in a wide window dark pixels beside bright ones count too little,
+// bright ones beside dark ones too much. Ratio of mean estimate to mean true relMSE over 216 simulated cells
+// (hit-or-miss noise, edges, textures, a lamp in the dark; self-weighted bilateral filter; the last two rows
+// with a firefly in 100,000 samples) for several r:
+//     relMSE   truth  Y     3x3   5x5   9x9   17x17  min(Y, 17x17)
+//     0.15     1.00   0.67  1.50  1.77  1.95  2.15   2.35
+//     0.039    0.99   0.91  1.20  1.28  1.34  1.42   1.55
+//     0.010    1.00   0.98  1.07  1.11  1.14  1.21   1.30
+//     0.003    1.00   1.00  1.05  1.08  1.11  1.17   1.25
+//     0.110    1.00   0.33  0.57  0.84  1.04  1.12   1.17
+//     0.030    0.99   0.38  0.83  0.96  1.02  1.05   1.09
+// The excess is noise that survives in Y, on the safe side and gone where cells are accepted. 9x9 is the
+// smallest window that is never below the truth-weighted estimate.
 Image relative_weight(const Image& y, const Region& cell) {
   const Region wide = intersect(grown(cell, kWeightRadius), y.region());
   assert(wide.contains(cell) && y.planes() >= 3);
@@ -78,12 +92,11 @@ Image relative_weight(const Image& y, const Region& cell) {
         const float* from = rows.row(0, tap).data() - cell.x0;
         for (int x = cell.x0; x < cell.x1; ++x) to[x] += from[x];
       }
-      const float* self = y.row(c, v).data() - y.region().x0;
       for (int x = cell.x0; x < cell.x1; ++x) {
         const int left = std::max(x - kWeightRadius, wide.x0),
                   right = std::min(x + kWeightRadius + 1, wide.x1);
         const float blur = to[x] / static_cast<float>((right - left) * (bottom - top));
-        const float r = std::max(0.0f, std::min(self[x], blur));
+        const float r = std::max(0.0f, blur);
         to[x] = 1.0f / (r * r + static_cast<float>(kRelMseEpsilon));
       }
     }

@@ -32,7 +32,7 @@ struct HalfImages {
   const Image& x_b;
 };
 
-inline constexpr int kWeightRadius = 8;
+inline constexpr int kWeightRadius = 4;
 
 // 1 / (r^2 + epsilon) per pixel and channel over `cell`, where r stands for the reference: see estimate.cpp
 // for the choice. `y` covers `cell` and kWeightRadius pixels around it, as far as the frame reaches; what it
