@@ -84,34 +84,54 @@ bool energy_is_concentrated(const CellSamples& s) {
   return false;
 }
 
-// Kurtosis of A - B in units of its expected deviation above 30. A pixel's own variance cannot be the unit: a
-// lone bright sample enters it as much as the mean, and the ratio is never above 1. The unit is the smaller
-// of the halves' variances, which the lone sample is in only one of, and at least that of its 8x8 block, as a
-// pixel may have seen no variation yet. One outlier of about 19 deviations in 4096 pixels reaches 30;
-// Gaussian noise has 3. Misses tails that no sample has come from, and outliers in both halves of a pixel.
-bool tails_are_heavy(const CellSamples& s) {
-  double second = 0, fourth = 0, count = 0;
-  for (const Region& block : grid_cells(s.cell, {kBlockEdge, kBlockEdge}))
-    for (int c = 0; c < 3; ++c) {
-      std::array<double, 2> mean_variance{};
-      for (int y = block.y0; y < block.y1; ++y)
-        for (int x = block.x0; x < block.x1; ++x)
-          for (int h = 0; h < 2; ++h) mean_variance[h] += s.at(x, y)[h].variance_of_mean(c);
-      const double common = std::min(mean_variance[0], mean_variance[1]) / static_cast<double>(block.area());
-      for (int y = block.y0; y < block.y1; ++y)
-        for (int x = block.x0; x < block.x1; ++x) {
-          const Halves& p = s.at(x, y);
-          const double own = std::min(p[0].variance_of_mean(c), p[1].variance_of_mean(c));
-          const double unit = 2 * std::max(own, common);
-          const double away = p[0].mean(c) - p[1].mean(c);
-          if (unit <= 0) continue;
-          const double square = away * away / unit;
-          second += square;
-          fourth += square * square;
-          ++count;
-        }
+// What the differences A - B of a cell look like.
+struct Tails {
+  double count = 0, second = 0, fourth = 0;  // moments, in units of the expected deviation
+  int outliers = 0;                          // pixel channels beyond ten deviations
+  double worst = 0;                          // relMSE of the whole cell that one of them made, unfiltered
+
+  double kurtosis() const { return second > 0 ? fourth * count / (second * second) : 0; }
+};
+
+void add_block(Tails& tails, const CellSamples& s, const Region& block, int c) {
+  const double pixels = static_cast<double>(block.area());
+  std::array<double, 2> variance{}, mean{};
+  for (int y = block.y0; y < block.y1; ++y)
+    for (int x = block.x0; x < block.x1; ++x)
+      for (int h = 0; h < 2; ++h) {
+        variance[h] += s.at(x, y)[h].variance_of_mean(c) / pixels;
+        mean[h] += s.at(x, y)[h].mean(c) / pixels;
+      }
+  const double common = std::min(variance[0], variance[1]), level = std::min(mean[0], mean[1]);
+  const double weight = 1 / (level * level + kRelMseEpsilon) / static_cast<double>(s.cell.area());
+  for (int y = block.y0; y < block.y1; ++y)
+    for (int x = block.x0; x < block.x1; ++x) {
+      const Halves& p = s.at(x, y);
+      const double own = std::min(p[0].variance_of_mean(c), p[1].variance_of_mean(c));
+      const double unit = 2 * std::max(own, common), away = p[0].mean(c) - p[1].mean(c);
+      if (unit <= 0) continue;
+      const double square = away * away / unit;
+      tails.count += 1;
+      tails.second += square;
+      tails.fourth += square * square;
+      if (square <= 100) continue;
+      ++tails.outliers;
+      tails.worst = std::max(tails.worst, weight * away * away / 4);
     }
-  return count > 0 && fourth * count > 30 * second * second;
+}
+
+// The kurtosis of A - B in units of its expected deviation is above 30, it is made by fewer than 8 outliers,
+// so that nobody knows how many more there are to come, and one more could lift the cell above the target. A
+// pixel's own variance cannot be the unit: a lone bright sample enters it as much as the mean, and the ratio
+// is never above 1. The unit is the smaller of the halves' variances, which the lone sample is in only one
+// of, and at least that of its 8x8 block, as a pixel may have seen no variation yet. One outlier of about 19
+// deviations in 4096 pixels reaches 30; Gaussian noise has 3. Misses tails that no sample has come from, and
+// outliers in both halves of a pixel.
+bool tails_are_heavy(const CellSamples& s, double target) {
+  Tails tails;
+  for (const Region& block : grid_cells(s.cell, {kBlockEdge, kBlockEdge}))
+    for (int c = 0; c < 3; ++c) add_block(tails, s, block, c);
+  return tails.kurtosis() > 30 && tails.outliers < 3 * 8 && tails.worst > target;
 }
 
 // A sample lies at most sqrt((n - 1) / n * scatter) from the mean of its n (Samuelson 1968). Were that one
@@ -182,7 +202,7 @@ Guard guard_of(const Image& sums, const FilmLayout& layout, const Region& cell, 
   assert(sums.region().contains(cell) && !cell.empty() && layout.aovs().has(Aov::color));
   const CellSamples s = samples_of(sums, layout, cell);
   if (energy_is_concentrated(s)) return Guard::concentrated_energy;
-  if (tails_are_heavy(s)) return Guard::heavy_tails;
+  if (tails_are_heavy(s, target)) return Guard::heavy_tails;
   if (one_sample_decides(s, target)) return Guard::single_sample;
   if (is_too_dark(s)) return Guard::too_dark;
   return Guard::none;
