@@ -17,13 +17,13 @@ constexpr int kBlockEdge = 8;
 
 // The samples of one half of one pixel.
 struct Samples {
-  double n = 0, hits = 0;
-  std::array<double, 3> sum{}, square{};
+  float n = 0, hits = 0;
+  std::array<float, 3> sum{}, square{};
 
-  double mean(int c) const { return n > 0 ? sum[c] / n : 0; }
+  double mean(int c) const { return n > 0 ? double{sum[c]} / n : 0; }
   // Sum of squared distances from the mean.
-  double scatter(int c) const { return n > 0 ? std::max(0.0, square[c] - sum[c] * sum[c] / n) : 0; }
-  double variance_of_mean(int c) const { return n > 1 ? scatter(c) / ((n - 1) * n) : 0; }
+  double scatter(int c) const { return n > 0 ? std::max(0.0, square[c] - double{sum[c]} * sum[c] / n) : 0; }
+  double variance_of_mean(int c) const { return n > 1 ? scatter(c) / ((double{n} - 1) * n) : 0; }
   double luminance() const { return (mean(0) + mean(1) + mean(2)) / 3; }
 };
 using Halves = std::array<Samples, 2>;
@@ -163,7 +163,8 @@ bool block_is_dark(const CellSamples& s, const Region& block) {
       const Halves& p = s.at(x, y);
       double most = 0;
       for (int c = 0; c < 3; ++c) {
-        const double sum = p[0].sum[c] + p[1].sum[c], square = p[0].square[c] + p[1].square[c];
+        const double sum = double{p[0].sum[c]} + p[1].sum[c];
+        const double square = double{p[0].square[c]} + p[1].square[c];
         if (square > 0) most = std::max(most, sum * sum / square);
       }
       carried += most;

@@ -22,8 +22,8 @@ enum class Guard : unsigned char {
 std::string_view to_string(Guard);
 
 // The first guard that holds for the pixels of `cell`, in the order above. `sums` are film sums laid out by
-// `layout`, which holds Aov::color, and cover `cell` and `target` is the relMSE aimed at. What each sees, and
-// what it misses, is said in guards.cpp.
+// `layout`, which holds Aov::color, and cover `cell`; `target` is the relMSE aimed at. What each sees, and
+// what it misses, is said in guards.cpp. Matters only where the error's bound is below the target.
 Guard guard_of(const Image& sums, const FilmLayout& layout, const Region& cell, double target);
 
 }  // namespace tessera
