@@ -58,18 +58,19 @@ ErrorEstimate jackknife(const std::vector<BlockSum>& blocks) {
 
 // r is the mean of Y over 9x9 pixels. Y itself will not do: a pixel that is too bright by chance would get a
 // small weight and hide its own error; and in a wide window dark pixels beside bright ones count too little,
-// bright ones beside dark ones too much. Ratio of mean estimate to mean true relMSE over 216 simulated cells
-// (hit-or-miss noise, edges, textures, a lamp in the dark; self-weighted bilateral filter; the last two rows
-// with a firefly in 100,000 samples) for several r:
-//     relMSE   truth  Y     3x3   5x5   9x9   17x17  min(Y, 17x17)
-//     0.15     1.00   0.67  1.50  1.77  1.95  2.15   2.35
-//     0.039    0.99   0.91  1.20  1.28  1.34  1.42   1.55
-//     0.010    1.00   0.98  1.07  1.11  1.14  1.21   1.30
-//     0.003    1.00   1.00  1.05  1.08  1.11  1.17   1.25
-//     0.110    1.00   0.33  0.57  0.84  1.04  1.12   1.17
-//     0.030    0.99   0.38  0.83  0.96  1.02  1.05   1.09
-// The excess is noise that survives in Y, on the safe side and gone where cells are accepted. 9x9 is the
-// smallest window that is never below the truth-weighted estimate.
+// bright ones beside dark ones too much. Ratio of mean estimate to mean true relMSE over 36 simulated cells
+// (hit-or-miss noise, edges, textures, a lamp in the dark; self-weighted bilateral filter; the last three
+// rows with a firefly in 100,000 samples) for several r, from the table in docs/METRICS.md:
+//     relMSE   truth  Y     3x3   5x5   9x9   17x17
+//     0.1459   1.01  0.68  1.53  1.79  1.98  2.13
+//     0.0390   1.01  0.92  1.25  1.32  1.38  1.46
+//     0.0102   0.99  0.98  1.07  1.10  1.13  1.20
+//     0.0029   1.00  0.99  1.04  1.07  1.10  1.17
+//     0.1032   0.99  0.35  0.60  0.87  1.06  1.15
+//     0.0273   0.99  0.41  0.84  0.97  1.03  1.05
+//     0.0079   0.98  0.62  0.96  0.99  1.01  1.02
+// The excess is noise that survives in Y: on the safe side, and small at errors that are accepted. 9x9 is the
+// smallest of these windows that is never below the truth-weighted estimate.
 Image relative_weight(const Image& y, const Region& cell) {
   const Region wide = intersect(grown(cell, kWeightRadius), y.region());
   assert(wide.contains(cell) && y.planes() >= 3);
