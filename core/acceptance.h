@@ -7,9 +7,8 @@
 // the estimate, is below the target. It is accepted when it is good at two looks in a row, each with new
 // samples, and at the second the hold-out bound (if there is one) is below the target too; or at once
 // when 2.5 standard errors are below. All the while its neighbours must be below four times the target. It
-// opens again if its estimate, which its neighbours' samples still change, exceeds 1.5 times the target. (A
-// single look at 1.645 would let more than a tenth of the cells pass that are not good: the looks that seem
-// good are the lucky ones.)
+// opens again if its estimate, which its neighbours' samples still change, exceeds 1.5 times the target. One
+// look at 1.645 would not do: of many looks, those that seem good are the lucky ones.
 //
 // A cell that is not accepted gets twice the samples it has, up to max_samples. So that filters, which take
 // the noise within their window as comparable, are not misled, the counts of neighbours stay within a factor
