@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "core/filter/filter.h"
-#include "core/filter/nearest.h"
+#include "core/nearest.h"
 
 namespace tessera {
 namespace {
@@ -132,9 +132,9 @@ TEST(Nearest, CountsSlipsAndGivesUpWhereNothingIsNear) {
   EXPECT_EQ(nearest("artous", names), "atrous");
   EXPECT_EQ(nearest("svg", names), "svgf");
   EXPECT_EQ(nearest("nonee", names), "none");
-  EXPECT_EQ(nearest("", names), std::nullopt);
-  EXPECT_EQ(nearest("bilateral", names), std::nullopt);
-  EXPECT_EQ(nearest("x", {}), std::nullopt);
+  EXPECT_EQ(nearest("", names), "");
+  EXPECT_EQ(nearest("bilateral", names), "");
+  EXPECT_EQ(nearest("x", {}), "");
 }
 
 }  // namespace
