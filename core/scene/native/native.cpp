@@ -41,13 +41,14 @@ class Reader {
 
   Scene read() {
     scene_.name = root_.text("name", std::filesystem::path(root_.file).stem().string());
+    const auto meshes = members("meshes");
     if (const auto camera = root_.find("camera")) scene_.cameras.push_back(read_camera(*camera));
     for (const Node& camera : list("cameras")) scene_.cameras.push_back(read_camera(camera));
     for (const Node& node : list("import")) import(node);
     for (std::size_t m = 0; m < scene_.materials.size(); ++m)
       materials_[scene_.materials[m].name].push_back(m);
     if (const auto materials = root_.find("materials")) read_materials(*materials);
-    if (const auto meshes = root_.find("meshes")) read_meshes(*meshes);
+    for (const auto& [name, node] : meshes) finish_mesh(name, node);
     for (const Node& node : list("instances")) place(node);
     for (const auto& [name, instances] : meshes_)
       if (!placed_.contains(name)) add_instances(instances, {});
@@ -62,6 +63,11 @@ class Reader {
   std::vector<Node> list(std::string_view key) const {
     const auto node = root_.find(key);
     return node ? node->items() : std::vector<Node>{};
+  }
+
+  std::vector<std::pair<std::string, Node>> members(std::string_view key) const {
+    const auto node = root_.find(key);
+    return node ? node->members() : std::vector<std::pair<std::string, Node>>{};
   }
 
   Scene read_file_of(const Node& node) const {
@@ -117,27 +123,27 @@ class Reader {
     return *grey_;
   }
 
-  void read_meshes(const Node& meshes) {
-    for (const auto& [name, node] : meshes.members()) {
-      std::vector<Instance>& instances = meshes_[name];
-      const std::size_t first = scene_.meshes.size();
-      if (node.has("file")) {
-        Scene part = read_file_of(node);
-        part.cameras.clear();
-        drop_lights(part);
-        const std::size_t before = scene_.instances.size();
-        append(scene_, std::move(part), placement(node));
-        instances.assign(scene_.instances.begin() + static_cast<std::ptrdiff_t>(before),
-                         scene_.instances.end());
-        scene_.instances.resize(before);
-      } else {
-        instances.push_back({static_cast<int>(first), transform_of(node)});
-        scene_.meshes.push_back(read_mesh(name, node));
-        scene_.meshes.back().material = material_of(node);
-      }
-      if (node.has("material"))
-        for (std::size_t m = first; m < scene_.meshes.size(); ++m)
-          scene_.meshes[m].material = material_of(node);
+  // Takes in the file of a mesh that has one, so that `materials` can speak of what is in it.
+  void import_mesh(const std::string& name, const Node& node) {
+    if (!node.has("file")) return;
+    Scene part = read_file_of(node);
+    part.cameras.clear();
+    drop_lights(part);
+    const auto before = static_cast<std::ptrdiff_t>(scene_.instances.size());
+    append(scene_, std::move(part), placement(node));
+    meshes_[name].assign(scene_.instances.begin() + before, scene_.instances.end());
+    scene_.instances.resize(static_cast<std::size_t>(before));
+  }
+
+  void finish_mesh(const std::string& name, const Node& node) {
+    std::vector<Instance>& instances = meshes_[name];
+    if (!node.has("file")) {
+      instances.push_back({static_cast<int>(scene_.meshes.size()), transform_of(node)});
+      scene_.meshes.push_back(read_mesh(name, node));
+      scene_.meshes.back().material = material_of(node);
+    } else if (node.has("material")) {
+      for (const Instance& i : instances)
+        scene_.meshes[static_cast<std::size_t>(i.mesh)].material = material_of(node);
     }
   }
 
