@@ -45,6 +45,7 @@ class Reader {
     if (const auto camera = root_.find("camera")) scene_.cameras.push_back(read_camera(*camera));
     for (const Node& camera : list("cameras")) scene_.cameras.push_back(read_camera(camera));
     for (const Node& node : list("import")) import(node);
+    for (const auto& [name, node] : meshes) import_mesh(name, node);
     for (std::size_t m = 0; m < scene_.materials.size(); ++m)
       materials_[scene_.materials[m].name].push_back(m);
     if (const auto materials = root_.find("materials")) read_materials(*materials);
