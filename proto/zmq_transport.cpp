@@ -12,6 +12,10 @@
 
 #include "proto/clock.h"
 
+#if defined(__SANITIZE_THREAD__)
+#include <sanitizer/tsan_interface.h>
+#endif
+
 namespace tessera {
 
 struct ZmqContext::Inside {
@@ -32,10 +36,19 @@ bool is_loopback(std::string_view endpoint) {
          (host.starts_with("127.") && host.find_first_not_of("0123456789.") == host.npos);
 }
 
+// ZeroMQ hands messages from thread to thread in ways that ThreadSanitizer does not see, so it is told.
+void tell_sanitizer_of_handover([[maybe_unused]] bool giving) {
+#if defined(__SANITIZE_THREAD__)
+  static char road;
+  giving ? __tsan_release(&road) : __tsan_acquire(&road);
+#endif
+}
+
 // The floats themselves become the message; ZeroMQ frees them when they have left.
 zmq::message_t part_of(std::vector<float>&& pixels) {
   auto owner = std::make_unique<std::vector<float>>(std::move(pixels));
   const auto release = [](void*, void* hint) {
+    tell_sanitizer_of_handover(false);
     std::unique_ptr<std::vector<float>>(static_cast<std::vector<float>*>(hint));
   };
   void* data = owner->data();
@@ -74,13 +87,17 @@ class ZmqSocket {
   // `to` is the routing id a ROUTER puts in front.
   void send(const Peer* to, Message&& message) {
     Packet packet = encode(std::move(message));
+    tell_sanitizer_of_handover(true);
     const auto more = zmq::send_flags::dontwait | zmq::send_flags::sndmore;
     const auto last = zmq::send_flags::dontwait;
     try {
       if (to && !socket_.send(zmq::buffer(*to), more)) return;
       const bool pixels = !packet.pixels.empty();
       if (!socket_.send(zmq::buffer(packet.header), pixels ? more : last)) return;
-      if (pixels) socket_.send(part_of(std::move(packet.pixels)), last);
+      if (!pixels) return;
+      zmq::message_t part = part_of(std::move(packet.pixels));
+      tell_sanitizer_of_handover(true);
+      socket_.send(part, last);
     } catch (const zmq::error_t& error) {
       drop(fmt::format("not sent: {}", error.what()));
     }
@@ -119,6 +136,7 @@ class ZmqSocket {
         return false;
       }
       more = part.more();
+      tell_sanitizer_of_handover(false);
       if (parts.size() < kMaxParts + 1u) parts.push_back(std::move(part));
     }
     return true;

@@ -158,7 +158,7 @@ void Agent::work() {
     KnownJob& known = jobs_.at(next->task.job);
     known.used = uses_++;
     slots_[i] = {true, false, next->task, next->attempt};
-    out_.push_back(Start{static_cast<int>(i), next->task, known.job, std::move(next->input)});
+    out_.emplace_back(Start{static_cast<int>(i), next->task, known.job, std::move(next->input)});
     queue_.erase(next);
   }
 }
