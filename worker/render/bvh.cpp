@@ -185,11 +185,6 @@ void Bvh::intersect(Packet& packet) const {
   rtcIntersect16(packet.active, contents_->scene.get(), &c, &packet.r);
 }
 
-void Bvh::occluded_coherent(ShadowPacket& packet) const {
-  RTCIntersectContext c = context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
-  rtcOccluded16(packet.active, contents_->scene.get(), &c, &packet.r);
-}
-
 void Bvh::occluded(ShadowPacket& packet) const {
   RTCIntersectContext c = context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
   rtcOccluded16(packet.active, contents_->scene.get(), &c, &packet.r);

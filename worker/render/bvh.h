@@ -47,7 +47,7 @@ class Bvh {
   // Rays that start side by side and go nearly the same way.
   void intersect_coherent(Packet&) const;
   void intersect(Packet&) const;
-  void occluded_coherent(ShadowPacket&) const;
+  // Never declared coherent: Embree 3.13 then loops for ever where instances are, and is no faster elsewhere.
   void occluded(ShadowPacket&) const;
 
   struct Bounds {

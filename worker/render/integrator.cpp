@@ -139,7 +139,8 @@ bool Integrator::gathers_emission() const {
 // Russian roulette on what the path can still carry.
 bool Integrator::survives(Path& path, int bounce) const {
   if (bounce < kSureBounces || bounce == max_bounces_) return true;
-  const float chance = max_component(path.throughput) / path.radiance_scale;
+  // The root of what is carried: on a scene of mostly diffuse bounces the least error for the time.
+  const float chance = std::sqrt(max_component(path.throughput) / path.radiance_scale);
   if (chance >= 1) return true;
   if (random(path.random, bounce, Choice::roulette).x >= chance) return false;
   path.throughput *= 1.0f / chance;
@@ -168,7 +169,7 @@ void Integrator::collect_light(int bounce) {
   bool any = false;
   for (const Path& path : paths_) any |= path.waits;
   if (!any) return;
-  bounce == 0 ? scene_.bvh().occluded_coherent(shadows_) : scene_.bvh().occluded(shadows_);
+  scene_.bvh().occluded(shadows_);
   for (int lane = 0; lane < kLanes; ++lane) {
     Path& path = paths_[static_cast<std::size_t>(lane)];
     if (path.waits && !shadows_.occluded(lane)) (bounce == 0 ? path.direct : path.indirect) += path.unshadowed;
