@@ -8,7 +8,6 @@
 namespace tessera {
 namespace {
 
-constexpr double kConfidence = 1.645;  // one-sided 95 %
 
 class Layers {
  public:
@@ -88,7 +87,7 @@ void add_metadata(ExrImage& exr, const Job& job, const FrameImage& frame, const 
   if (from.dropped > 0) m["tessera/dropped"] = fmt::format("{} samples were not finite", from.dropped);
   if (frame.rounds > 0) {
     m["tessera/relmse"] = static_cast<float>(frame.error.mean);
-    m["tessera/relmse_upper"] = static_cast<float>(frame.error.upper(kConfidence));
+    m["tessera/relmse_upper"] = static_cast<float>(frame.error.upper(kTwoLooks));
   }
 }
 
@@ -115,7 +114,7 @@ std::string verdict(const Job& job, const FrameImage& frame) {
   const std::string why = frame.stop ? std::string(to_string(*frame.stop)) : "in progress";
   if (frame.rounds == 0) return fmt::format("{}: no complete round, the image is the noisy one", why);
   std::string text = fmt::format("{}: relMSE {:.3e} estimated, {:.3e} upper bound (95%)", why,
-                                 frame.error.mean, frame.error.upper(kConfidence));
+                                 frame.error.mean, frame.error.upper(kTwoLooks));
   if (job.acceptance.relmse)
     text += fmt::format(", target {:.3e} per cell, met by {:.1f}% of the cells", *job.acceptance.relmse,
                         100 * frame.acceptable_share);

@@ -7,7 +7,6 @@
 namespace tessera {
 namespace {
 
-constexpr double kTwoLooks = 1.645;        // one-sided 95 %
 constexpr double kOneLook = 2.5;           // one-sided 99.4 %: eight looks at 5 % together (Bonferroni)
 constexpr double kNeighbourTargets = 4.0;  // a cell may rest beside cells up to here
 constexpr double kReopenTargets = 1.5;

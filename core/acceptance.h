@@ -28,6 +28,8 @@
 
 namespace tessera {
 
+inline constexpr double kTwoLooks = 1.645;  // standard errors; one-sided 95 %
+
 // One cell at one look.
 struct CellLook {
   int samples = 0;                        // per pixel
