@@ -15,13 +15,14 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kHalf = 6.0f;            // metres, half the edge of the court between the arcades
-constexpr float kBay = 2.4f;             // from column to column
-constexpr int kBays = 5;                 // a side
-constexpr float kSpringing = 2.35f;      // height of the columns with their capitals
-constexpr float kTop = 4.3f;             // of the walls
-constexpr float kDepth = 2.6f;           // of the walk behind the arches
-const Vec3 kToSun(0.72f, 0.42f, 0.38f);  // low, from the right and behind the camera
+constexpr float kHalf = 6.0f;        // metres, half the edge of the court between the arcades
+constexpr float kBay = 2.4f;         // from column to column
+constexpr int kBays = 5;             // a side
+constexpr float kSpringing = 2.35f;  // height of the columns with their capitals
+constexpr float kTop = 4.3f;         // of the walls
+constexpr float kDepth = 2.6f;       // of the walk behind the arches
+constexpr float kGlobe = -0.7f, kGlobeRadius = 0.14f;  // of a lantern: height from where it hangs
+const Vec3 kToSun(0.72f, 0.42f, 0.38f);                // low, from the right and behind the camera
 
 ordered_json json_of(const Vec3& v) { return ordered_json::array({v.x, v.y, v.z}); }
 
@@ -63,15 +64,15 @@ class Courtyard {
 
   void describe_view_and_light() {
     scene_["name"] = "Courtyard in the evening";
-    scene_["camera"] = {{"look_at", {{"from", {3.5, 1.65, 7.3}}, {"to", {-0.9, 1.6, -2.5}}}},
-                        {"horizontal_fov", 64},
+    scene_["camera"] = {{"look_at", {{"from", {2.7, 1.65, 7.5}}, {"to", {0.45, 1.5, -2.5}}}},
+                        {"horizontal_fov", 66},
                         {"lens_radius", 0.008},
                         {"focus_distance", 7.5}};
     scene_["lights"].push_back({{"type", "directional"},
                                 {"direction", json_of(-kToSun)},
-                                {"irradiance", {8.0, 4.9, 2.5}},
+                                {"irradiance", {6.0, 3.6, 1.8}},
                                 {"angular_diameter", 0.53}});
-    scene_["environment"] = {{"image", "sky.hdr"}, {"radiance", 0.9}};
+    scene_["environment"] = {{"image", "sky.hdr"}, {"radiance", 0.8}};
   }
 
   void describe_materials() {
@@ -98,21 +99,21 @@ class Courtyard {
                   {"normal_texture", "ripples.png"}};
     m["brass"] = {
         {"type", "metal"}, {"roughness", 0.32}, {"eta", {0.444, 0.527, 1.094}}, {"k", {3.695, 2.765, 1.829}}};
-    m["flame"] = {{"color", 0.5}, {"emission", {120, 68, 28}}};
+    m["flame"] = {{"color", 0.5}, {"emission", {60, 34, 14}}};
     m["glass"] = {{"type", "glass"}, {"color", 1}, {"ior", 1.5}};
     m["green glass"] = {{"type", "glass"}, {"color", {0.55, 0.95, 0.70}}, {"ior", 1.5}};
     m["amber glass"] = {{"type", "glass"}, {"color", {0.98, 0.72, 0.35}}, {"ior", 1.5}};
   }
 
   void build_ground() {
-    mesh("earth", "earth", sheet({-80, -0.02f, 80}, {160, 0, 0}, {0, 0, -160}));
-    // One repeat of the tile is 0.8 m.
-    const float low = -kHalf - kDepth, size = kHalf + 6.5f - low;
-    Shape floor = sheet({low, 0, low + size}, {size, 0, 0}, {0, 0, -size});
-    for (Vec2& uv : floor.uvs) uv /= 0.8f;
+    mesh("earth", "earth", sheet({kHalf + 0.5f, -0.02f, 8.6f}, {4.5f, 0, 0}, {0, 0, -18}));
+    // One repeat of the tile is 0.64 m.
+    const float low = -kHalf - kDepth, size = kHalf + 0.5f - low, length = 8.6f - low;
+    Shape floor = sheet({low, 0, low + length}, {size, 0, 0}, {0, 0, -length});
+    for (Vec2& uv : floor.uvs) uv /= 0.64f;
     mesh("floor", "tiles", floor);
-    Shape wall = box({kHalf + 0.2f, 0, -kHalf}, {kHalf + 0.6f, 1.4f, 12});
-    wall.add(box({kHalf + 0.12f, 1.4f, -kHalf}, {kHalf + 0.68f, 1.5f, 12}));
+    Shape wall = box({kHalf + 0.2f, 0, -kHalf}, {kHalf + 0.6f, 1.4f, 8.6f});
+    wall.add(box({kHalf + 0.12f, 1.4f, -kHalf}, {kHalf + 0.68f, 1.5f, 8.6f}));
     mesh("garden_wall", "stucco", wall);
   }
 
@@ -125,21 +126,15 @@ class Courtyard {
                  40);
   }
 
-  // The brass of a lantern that hangs from the origin; its flame is at y = -0.72.
+  // The brass of a lantern that hangs from the origin: a rod and a cap. What little of it is near the globe
+  // stays small, for brightly lit brass would be a lamp that no light sampling knows of.
   static Shape lantern() {
-    Shape shape = lathe({{0.008f, -0.5f}, {0.008f, 0}}, 8);
-    shape.add(lathe(
-        {{0.0f, -0.5f}, {0.03f, -0.5f}, {0.05f, -0.53f}, {0.19f, -0.60f}, {0.19f, -0.62f}, {0.0f, -0.56f}},
-        32));
-    shape.add(lathe(
-        {{0.0f, -0.92f}, {0.05f, -0.90f}, {0.13f, -0.86f}, {0.15f, -0.83f}, {0.13f, -0.84f}, {0.0f, -0.86f}},
-        32));
-    for (int i = 0; i < 6; ++i) {
-      const float angle = kPi * static_cast<float>(i) / 3;
-      Matrix move;
-      move.setTranslation(Vec3(0.145f * std::cos(angle), 0, 0.145f * std::sin(angle)));
-      shape.add(lathe({{0.007f, -0.84f}, {0.007f, -0.60f}}, 8), move);
-    }
+    Shape shape = lathe({{0.008f, kGlobe + 0.9f * kGlobeRadius}, {0.008f, 0}}, 8);
+    shape.add(lathe({{0.06f, kGlobe + 0.9f * kGlobeRadius},
+                     {0.05f, kGlobe + 1.1f * kGlobeRadius},
+                     {0.02f, kGlobe + 1.3f * kGlobeRadius},
+                     {0.0f, kGlobe + 1.4f * kGlobeRadius}},
+                    24));
     return shape;
   }
 
@@ -158,8 +153,9 @@ class Courtyard {
       for (int b = 0; b < kBays; ++b) {
         const float along = (static_cast<float>(b) - 0.5f * (kBays - 1)) * kBay;
         place("arch", at(along, kSpringing, 0), turn);
+        if (b % 2 != side) continue;
         place("lantern", at(along, kSpringing + 0.95f, 0));
-        sphere(at(along, kSpringing + 0.95f - 0.72f, 0), 0.09f, "flame");
+        sphere(at(along, kSpringing + 0.95f + kGlobe, 0), kGlobeRadius, "flame");
       }
       for (int c = side; c <= kBays; ++c)  // the corner column belongs to the first side
         place("column", at((static_cast<float>(c - side) - 0.5f * kBays) * kBay, 0, 0));
@@ -174,6 +170,7 @@ class Courtyard {
     const float back = -kHalf - kDepth;
     Shape shape = box({-kHalf - kDepth, 0, back - 0.3f}, {kHalf + 0.6f, kTop, back});
     shape.add(box({-kHalf - kDepth, kTop, back - 0.3f}, {kHalf + 0.6f, kTop + 0.25f, -kHalf + 0.34f}));
+    shape.add(box({kHalf + 0.3f, 0, back}, {kHalf + 0.6f, kTop, -kHalf - 0.22f}));
     shape.add(box({-kHalf - 0.22f, kTop - 0.14f, -kHalf + 0.22f}, {kHalf + 0.22f, kTop, -kHalf + 0.30f}));
     return shape;
   }
@@ -294,12 +291,12 @@ class Courtyard {
 
   // Stands in the shade of the garden wall: sunlight through glass would be all noise.
   void build_bench() {
-    Shape bench = box({5.45f, 0.42f, -1.2f}, {5.95f, 0.5f, 2.2f});
-    for (const float z : {-1.0f, 0.4f, 1.8f}) bench.add(box({5.5f, 0, z}, {5.9f, 0.42f, z + 0.2f}));
+    Shape bench = box({5.45f, 0.42f, -3.4f}, {5.95f, 0.5f, 0.0f});
+    for (const float z : {-3.2f, -1.8f, -0.4f}) bench.add(box({5.5f, 0, z}, {5.9f, 0.42f, z + 0.2f}));
     mesh("bench", "wood", bench);
-    sphere({5.68f, 0.5f + 0.17f, 0.2f}, 0.17f, "glass");
-    sphere({5.72f, 0.5f + 0.13f, -0.2f}, 0.13f, "green glass");
-    sphere({5.60f, 0.5f + 0.10f, 0.52f}, 0.10f, "amber glass");
+    sphere({5.68f, 0.5f + 0.17f, -1.5f}, 0.17f, "glass");
+    sphere({5.70f, 0.5f + 0.13f, -1.95f}, 0.13f, "green glass");
+    sphere({5.62f, 0.5f + 0.10f, -1.15f}, 0.10f, "amber glass");
   }
 
   std::filesystem::path folder_;

@@ -98,7 +98,7 @@ void paint_tiles(const std::filesystem::path& folder) {
   paint(folder / "tiles_normal.png", 512, 512, OIIO::TypeDesc::UINT8,
         [](float u, float v) { return normal_of(height, u, v, 0.006f); });
   paint(folder / "tiles_rough.png", 512, 512, OIIO::TypeDesc::UINT8, [](float u, float v) {
-    const float polish = 0.3f + 0.08f * std::sin(31 * u) * std::sin(29 * v);
+    const float polish = 0.48f + 0.06f * std::sin(31 * u) * std::sin(29 * v);
     return Vec3(0, 0.9f + (polish - 0.9f) * height(u, v), 0);
   });
 }
@@ -112,9 +112,9 @@ void paint_sky(const std::filesystem::path& folder, float sun_bearing) {
   paint(folder / "sky.hdr", 256, 128, OIIO::TypeDesc::FLOAT, [&](float u, float v) {
     const float up = std::sin(kPi * (0.5f - v)), bearing = 2 * kPi * (u - 0.5f);
     const float towards_sun = 0.5f + 0.5f * std::cos(bearing - sun_bearing);
-    const Vec3 zenith(0.16f, 0.27f, 0.52f), above(0.42f, 0.50f, 0.66f), warm(1.6f, 0.80f, 0.36f),
+    const Vec3 zenith(0.13f, 0.25f, 0.58f), above(0.40f, 0.50f, 0.72f), warm(1.7f, 0.85f, 0.45f),
         ground(0.20f, 0.16f, 0.12f);
-    const float glow = std::exp(-std::max(up, 0.0f) * 6) * (0.25f + 0.75f * towards_sun * towards_sun);
+    const float glow = std::exp(-std::max(up, 0.0f) * 4.5f) * (0.4f + 0.6f * towards_sun * towards_sun);
     const Vec3 sky = above + (zenith - above) * smooth(0.0f, 0.75f, up) + (warm - above) * glow;
     return sky + (ground - sky) * smooth(0.0f, -0.05f, up);
   });

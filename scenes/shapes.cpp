@@ -83,8 +83,11 @@ Shape lathe(const std::vector<Vec2>& profile, int segments) {
   }
   for (std::uint32_t r = 0; r + 1 < profile.size(); ++r) {
     if (profile[r] == profile[r + 1]) continue;
-    for (std::uint32_t s = 0; s + 1 < columns; ++s)
-      add_quad(shape, r * columns + s, r * columns + s + 1, (r + 1) * columns + s + 1, (r + 1) * columns + s);
+    for (std::uint32_t s = 0; s + 1 < columns; ++s) {
+      const std::uint32_t a = r * columns + s, b = a + columns;
+      if (profile[r].x > 0) shape.triangles.push_back({a, a + 1, b + 1});
+      if (profile[r + 1].x > 0) shape.triangles.push_back({a, b + 1, b});
+    }
   }
   return shape;
 }

@@ -130,6 +130,7 @@ class Reader {
     Scene part = read_file_of(node);
     part.cameras.clear();
     drop_lights(part);
+    for (Mesh& mesh : part.meshes) mesh.name = name;
     const auto before = static_cast<std::ptrdiff_t>(scene_.instances.size());
     append(scene_, std::move(part), placement(node));
     meshes_[name].assign(scene_.instances.begin() + before, scene_.instances.end());
