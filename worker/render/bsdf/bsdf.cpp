@@ -13,13 +13,20 @@ float microfacet_value(const Vec3& wo, const Vec3& wi, const Vec3& h, float alph
   return ggx(h, alpha) * masking / (4.0f * wo.z);
 }
 
-// glTF 2.0 appendix B.3: the Fresnel term weighs the specular lobe against the diffuse one.
+// The lobes of glTF 2.0 appendix B.3. What the specular lobe reflects, the diffuse one lacks: on the way in
+// and on the way out, as in Ashikhmin and Shirley 2000, "An Anisotropic Phong BRDF Model" (their section 2.2,
+// here for a Lambertian base: 21/20 is what Schlick's term takes from uniform light). The appendix weighs by
+// the half vector's cosine instead, which returns up to 1.05 of the light at grazing angles.
+Color diffuse_value(const Bsdf& b, const Vec3& wi) {
+  const Color white(1, 1, 1);
+  return b.color * (white - schlick(b.wo.z, b.f0)) * (white - schlick(wi.z, b.f0)) * (1.05f * kInvPi * wi.z);
+}
+
 BsdfValue metallic_roughness_value(const Bsdf& b, const Vec3& wi) {
   const Vec3 h = unit(b.wo + wi);
-  const Color fresnel = schlick(dot(b.wo, h), b.f0);
-  const float diffuse = wi.z * kInvPi;
-  return {(Color(1, 1, 1) - fresnel) * b.color * diffuse + fresnel * microfacet_value(b.wo, wi, h, b.alpha),
-          b.specular_share * visible_reflection_pdf(b.wo, h, b.alpha) + (1.0f - b.specular_share) * diffuse};
+  return {diffuse_value(b, wi) + schlick(dot(b.wo, h), b.f0) * microfacet_value(b.wo, wi, h, b.alpha),
+          b.specular_share * visible_reflection_pdf(b.wo, h, b.alpha) +
+              (1.0f - b.specular_share) * wi.z * kInvPi};
 }
 
 BsdfValue metal_value(const Bsdf& b, const Vec3& wi) {
@@ -92,8 +99,8 @@ Color albedo(const Bsdf& b) {
     }
     case Material::Kind::metal: return b.color * conductor_fresnel(b.wo.z, b.eta, b.k);
     case Material::Kind::metallic_roughness: {
-      const Color specular = schlick(b.wo.z, b.f0);
-      return specular + (Color(1, 1, 1) - specular) * b.color;
+      const Color white(1, 1, 1), specular = schlick(b.wo.z, b.f0);
+      return specular + b.color * (white - b.f0) * (white - specular);
     }
     default: return b.color;
   }

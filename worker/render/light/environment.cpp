@@ -85,7 +85,7 @@ float EnvironmentLight::pdf(const Vec3& direction) const {
   const std::size_t y = cell(at.y, picture_->height), x = cell(at.x, picture_->width);
   const float density = rows_.probability(y) * static_cast<float>(picture_->height) *
                         columns_[y].probability(x) * static_cast<float>(picture_->width);
-  const float sine = root(1.0f - direction.y * direction.y);
+  const float sine = root(direction.x * direction.x + direction.z * direction.z);
   return sine > 0 ? density / (2 * kPi * kPi * sine) : 0.0f;
 }
 

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+// Samples of lights: they follow the densities that hits are weighed with.
+#include "worker/render/light/lights.h"
+
+#include "tests/worker/render/chi_squared.h"
+#include "tests/worker/render/scenes.h"
+#include "worker/render/render_scene.h"
+#include "worker/render/warp.h"
+
+namespace tessera::tracer {
+namespace {
+
+using namespace tessera::testing;
+using tessera::testing::kPi;
+
+constexpr int kTries = 100000;
+const Vec3 kPoint(0.1f, 0.2f, -0.3f);
+
+// Samples of the only light, as points of the unit square; all of them must have the density `pdf`.
+void expect_light(const Scene& scene, const std::function<double(const Vec3&)>& pdf, const char* what) {
+  const auto ready = prepared(scene);
+  Random random(23);
+  std::vector<Vec2> points;
+  int astray = 0;
+  for (int i = 0; i < kTries; ++i) {
+    const float pick = random.number();
+    const LightSample s = ready->lights().sample(kPoint, pick, random.pair());
+    if (!(s.pdf > 0)) continue;
+    ASSERT_NEAR(length(s.direction), 1, 1e-5f);
+    const double expected = pdf(s.direction);
+    astray += std::abs(s.pdf - expected) > 2e-3 * expected;
+    points.push_back(on_square(s.direction));
+  }
+  // At the edges of a light or of a pixel the directions of floats fall to either side.
+  EXPECT_LT(astray, kTries / 1000) << what;
+  expect_follows(points, kTries, on_sphere(pdf), what, 40, 40);
+}
+
+TEST(Lights, AMeshIsSampledUniformlyByAreaAndWeighedSo) {
+  Scene scene;
+  const int lamp = add_material(scene, {.emission = Color(1, 1, 1)});
+  Mesh quad = grid({-1, 1.5f, 1}, {2, 0, 0}, {0, 0.5f, -2}, 1, lamp);
+  add_mesh(scene, quad, Matrix().scale(Vec3(-1, 1, 2)));
+  // In the world: corners (+-1, 1.5, 2) and (+-1, 2, -2).
+  const Vec3 corner(-1, 1.5f, 2), a(2, 0, 0), b(0, 0.5f, -4);
+  const Vec3 normal = unit(cross(a, b));
+  const float area = length(cross(a, b));
+  const auto pdf = [&](const Vec3& d) -> double {
+    const float t = dot(corner - kPoint, normal) / dot(d, normal);
+    if (t <= 0) return 0;
+    const Vec3 at = kPoint + d * t - corner;
+    const float u = dot(at, a) / dot(a, a), v = dot(at, b) / dot(b, b);
+    return u >= 0 && u < 1 && v >= 0 && v < 1 ? t * t / (std::abs(dot(d, normal)) * area) : 0;
+  };
+  expect_light(scene, pdf, "mesh");
+}
+
+TEST(Lights, ASphereIsSampledUniformlyByTheSolidAngleSeenFromOutside) {
+  Scene scene;
+  const int lamp = add_material(scene, {.emission = Color(1, 1, 1)});
+  scene.spheres.push_back({{1, 2, 0.5f}, 1.2f, lamp});
+  const Vec3 way = scene.spheres[0].center - kPoint;
+  const double cosine = std::sqrt(1 - 1.44 / dot(way, way));
+  expect_light(scene, [&](const Vec3& d) { return dot(d, unit(way)) >= cosine ? 1 / (2 * kPi * (1 - cosine)) : 0; },
+               "sphere");
+}
+
+TEST(Lights, ASphereIsSampledByAreaFromInside) {
+  Scene scene;
+  const int lamp = add_material(scene, {.emission = Color(1, 1, 1)});
+  scene.spheres.push_back({{0.3f, 0, 0}, 2, lamp});
+  const auto pdf = [&](const Vec3& d) {
+    const Vec3 way = scene.spheres[0].center - kPoint;
+    const double middle = dot(way, d);
+    const double half = std::sqrt(4 - (double(dot(way, way)) - middle * middle));
+    return (middle + half) * (middle + half) / (half / 2 * 4 * kPi * 4);
+  };
+  expect_light(scene, pdf, "from inside");
+}
+
+TEST(Lights, ASunIsSampledUniformlyInItsDisc) {
+  Scene scene;
+  const Vec3 way = unit(Vec3(0.2f, -1, 0.4f));
+  scene.suns.push_back({way, {1, 1, 1}, 1.0f});
+  const double cosine = std::cos(0.5);
+  expect_light(scene, [&](const Vec3& d) { return -dot(d, way) >= cosine ? 1 / (2 * kPi * (1 - cosine)) : 0; }, "sun");
+}
+
+Scene sky(float rotation) {
+  Scene scene;
+  Picture picture{"sky", 16, 8, 3, std::vector<float>(16 * 8 * 3, 0.02f)};
+  Random random(2);
+  for (float& v : picture.pixels) v += 3 * square(square(random.number()));
+  scene.pictures.push_back(picture);
+  scene.environment = {Color(1, 2, 0.5f), 0, rotation};
+  return scene;
+}
+
+TEST(Lights, APictureIsSampledByTheDensityItStatesWhichIntegratesToOne) {
+  const Scene scene = sky(0.7f);
+  const EnvironmentLight light(scene);
+  expect_light(scene, [&](const Vec3& d) { return light.pdf(d); }, "environment");
+}
+
+TEST(Lights, ThePictureLiesAroundTheSceneAsDocumented) {
+  Scene scene;
+  Picture picture{"sky", 64, 32, 3, std::vector<float>(64 * 32 * 3, 0.0f)};
+  const auto paint = [&](int x, int y, std::size_t channel) {
+    picture.pixels[static_cast<std::size_t>(y * 64 + x) * 3 + channel] = 1;
+  };
+  for (const int x : {31, 32})
+    for (const int y : {15, 16}) paint(x, y, 0);  // the centre
+  for (const int x : {47, 48})
+    for (const int y : {15, 16}) paint(x, y, 1);  // a quarter to the right
+  for (int x = 0; x < 64; ++x) paint(x, 0, 2);    // the top
+  scene.pictures.push_back(picture);
+  scene.environment = {Color(1, 1, 1), 0, 0};
+  const EnvironmentLight plain(scene);
+  EXPECT_GT(plain.radiance({0, 0, -1}).x, 0.99f);
+  EXPECT_GT(plain.radiance({1, 0, 0}).y, 0.99f);
+  EXPECT_GT(plain.radiance({0, 1, 0}).z, 0.99f);
+  scene.environment.rotation = kPi / 2;  // counter-clockwise seen from above: -Z goes to -X
+  const EnvironmentLight turned(scene);
+  EXPECT_GT(turned.radiance({-1, 0, 0}).x, 0.99f);
+  EXPECT_GT(turned.radiance({0, 0, -1}).y, 0.99f);
+}
+
+TEST(Lights, ManyLightsArePickedByTheirPower) {
+  Scene scene;
+  scene.points.push_back({{0, 1, 0}, {3, 3, 3}});
+  scene.points.push_back({{0, -1, 0}, {1, 1, 1}});
+  scene.points.push_back({{1, 0, 0}, {0, 0, 0}});
+  const auto ready = prepared(scene);
+  EXPECT_FLOAT_EQ(ready->lights().sample({0, 0, 0}, 0.5f, {}).pdf, 0.75f);
+  EXPECT_FLOAT_EQ(ready->lights().sample({0, 0, 0}, 0.8f, {}).pdf, 0.25f);
+}
+
+// The integral over all directions of what a glossy point reflects, by either strategy alone and by both.
+TEST(Lights, EitherStrategyAloneAndBothTogetherAgree) {
+  const Scene scene = sky(0);
+  const auto ready = prepared(scene);
+  const Lights& lights = ready->lights();
+  Bsdf b{.kind = Material::Kind::metallic_roughness, .frame = Frame(Vec3(0, 1, 0)), .ng = {0, 1, 0},
+         .color = Color(0.5f, 0.5f, 0.5f), .f0 = Color(0.3f, 0.3f, 0.3f), .alpha = 0.2f};
+  b.wo = unit(Vec3(0.5f, 0.2f, 0.8f));
+  Random random(31);
+  constexpr int kMany = 200000;
+  struct Sum {
+    double sum = 0, squares = 0;
+    void add(double v) { sum += v, squares += v * v; }
+    double mean() const { return sum / kMany; }
+    double error() const { return std::sqrt((squares / kMany - mean() * mean()) / kMany); }
+  } by_light, by_surface, by_both;
+  for (int i = 0; i < kMany; ++i) {
+    const LightSample l = lights.sample(kPoint, random.number(), random.pair());
+    const BsdfValue v = evaluate(b, l.direction);
+    const double direct = l.pdf > 0 ? v.f.x * l.radiance.x / l.pdf : 0;
+    const float lobe = random.number();
+    const BsdfSample s = sample(b, lobe, random.pair());
+    const double found = s.pdf > 0 ? s.weight.x * lights.escaped(s.wi, 0).x : 0;
+    const double weighed = s.pdf > 0 ? s.weight.x * lights.escaped(s.wi, s.pdf).x : 0;
+    by_light.add(direct);
+    by_surface.add(found);
+    by_both.add(direct * (l.pdf > 0 ? power_heuristic(l.pdf, v.pdf) : 0) + weighed);
+  }
+  EXPECT_NEAR(by_both.mean(), by_light.mean(), 5 * std::hypot(by_both.error(), by_light.error()));
+  EXPECT_NEAR(by_both.mean(), by_surface.mean(), 5 * std::hypot(by_both.error(), by_surface.error()));
+  EXPECT_LT(by_both.error(), std::max(by_light.error(), by_surface.error()));
+}
+
+}  // namespace
+}  // namespace tessera::tracer

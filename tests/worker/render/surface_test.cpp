@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hits, instances, textures and what materials make of them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/worker/render/chi_squared.h"
+#include "tests/worker/render/scenes.h"
+#include "worker/render/render_scene.h"
+#include "worker/render/texture.h"
+
+namespace tessera::tracer {
+namespace {
+
+using namespace tessera::testing;
+using tessera::testing::kPi;
+
+TEST(Texture, IsBilinearBetweenPixelCentresAndWraps) {
+  Scene scene;
+  scene.pictures.push_back({"ramp", 4, 1, 1, {0, 1, 2, 3}});
+  const auto at = [&](float u, Texture::Wrap wrap) {
+    return lookup(scene, {.picture = 0, .wrap_u = wrap, .wrap_v = wrap}, {u, 0.3f})[0];
+  };
+  using Wrap = Texture::Wrap;
+  for (const Wrap w : {Wrap::repeat, Wrap::mirror, Wrap::clamp}) {
+    EXPECT_FLOAT_EQ(at(0.125f, w), 0);
+    EXPECT_FLOAT_EQ(at(0.5f, w), 1.5f);
+  }
+  EXPECT_FLOAT_EQ(at(0, Wrap::repeat), 1.5f);  // between the last and the first
+  EXPECT_FLOAT_EQ(at(0, Wrap::clamp), 0);
+  EXPECT_FLOAT_EQ(at(1, Wrap::mirror), 3);
+  EXPECT_FLOAT_EQ(at(1.125f, Wrap::repeat), 0);
+  EXPECT_FLOAT_EQ(at(-0.125f, Wrap::repeat), 3);
+  EXPECT_FLOAT_EQ(at(1.125f, Wrap::mirror), 3);
+  EXPECT_FLOAT_EQ(at(-0.375f, Wrap::mirror), 1);
+  EXPECT_FLOAT_EQ(at(7, Wrap::clamp), 3);
+  EXPECT_TRUE(std::isfinite(at(1e30f, Wrap::mirror)) && std::isfinite(at(-INFINITY, Wrap::repeat)));
+}
+
+TEST(Texture, GreyPicturesAreGreyAndAlphaIsOneUnlessGiven) {
+  Scene scene;
+  scene.pictures.push_back({"grey", 1, 1, 2, {0.25f, 0.5f}});
+  scene.pictures.push_back({"rgb", 1, 1, 3, {0.1f, 0.2f, 0.3f}});
+  EXPECT_EQ(lookup(scene, {.picture = 0}, {0, 0}), (Texel{0.25f, 0.25f, 0.25f, 0.5f}));
+  EXPECT_EQ(lookup(scene, {.picture = 1}, {0, 0}), (Texel{0.1f, 0.2f, 0.3f, 1}));
+}
+
+// A tetrahedron-like tent, front outwards (up).
+Mesh tent(int material) {
+  Mesh m{.positions = {{-1, 0, 1}, {1, 0, 1}, {0, 0, -1}, {0.2f, 0.8f, 0}}, .material = material};
+  m.triangles = {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  return m;
+}
+
+TEST(Geometry, TheFrontStaysTheFrontInAMirroredInstance) {
+  Scene scene;
+  add_material(scene, {});
+  add_mesh(scene, tent(0));
+  scene.instances.push_back({0, Matrix().scale(Vec3(-2, 1, 0.5f)) * Matrix().translate(Vec3(5, 0, 0))});
+  const Geometry geometry(scene);
+  for (std::uint32_t piece = 0; piece < 2; ++piece)
+    for (std::uint32_t t = 0; t < 3; ++t) {
+      const Triangle triangle = geometry.triangle(piece, t);
+      EXPECT_GT(triangle.normal.y, 0);
+      EXPECT_NEAR(dot(unit(triangle.normal), unit(triangle.p[1] - triangle.p[0])), 0, 1e-6f);
+      EXPECT_NEAR(dot(unit(triangle.normal), unit(triangle.p[2] - triangle.p[0])), 0, 1e-6f);
+    }
+}
+
+TEST(Geometry, AnOffsetOriginIsBeyondTheSurfaceOnTheSideOfTheNormal) {
+  Random random(4);
+  for (int i = 0; i < 10000; ++i) {
+    const float scale = std::exp(20 * random.number() - 10);
+    const Vec2 u = random.pair(), v = random.pair();
+    const Vec3 normal = from_square(u.x, u.y);
+    const Vec3 p = from_square(v.x, v.y) * scale;
+    const Vec3 moved = offset_origin(p, normal) - p;
+    EXPECT_GT(dot(moved, normal), 0);
+    EXPECT_LT(length(moved), 1e-4f * (1 + scale));
+  }
+}
+
+// The same tents, shared as instances or each a mesh of its own.
+TEST(Bvh, InstancesLookLikeTheMeshesTheyStandFor) {
+  const Matrix placed = Matrix().rotate(Vec3(0.3f, 0.4f, 0)) * Matrix().translate(Vec3(2, 0, -1));
+  const auto scene_of = [&](bool shared) {
+    Scene scene;
+    add_floor(scene, Color(0.5f, 0.5f, 0.5f));
+    const int red = add_material(scene, {.base_color = Color(0.8f, 0.2f, 0.2f)});
+    add_mesh(scene, tent(red));
+    if (shared) scene.instances.push_back({1, placed});
+    else add_mesh(scene, tent(red), placed);
+    scene.suns.push_back({Vec3(0.6f, -0.8f, 0), {2, 2, 2}, 0.01f});
+    scene.environment.radiance = Color(0.3f, 0.4f, 0.5f);
+    scene.cameras = {camera_at({1, 3, 5}, {1, 0, 0}, 0.8f)};
+    return scene;
+  };
+  for (const Aov aov : {Aov::color, Aov::normal, Aov::position, Aov::albedo}) {
+    const Measured a = measure(scene_of(true), 32, 16, 2, aov), b = measure(scene_of(false), 32, 16, 2, aov);
+    // The same random numbers and, up to rounding, the same paths.
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(a.mean[c], b.mean[c], 2e-3 * std::abs(b.mean[c]) + 1e-4);
+  }
+}
+
+TEST(Bvh, AnEmptySceneIsAllSky) {
+  Scene scene;
+  scene.environment.radiance = Color(0.25f, 0.5f, 1);
+  scene.cameras = {camera_at({0, 0, 0}, {0, 0, -1}, 1)};
+  const Measured m = measure(scene, 8, 8, 2);
+  EXPECT_FLOAT_EQ(float(m.mean[0]), 0.25f);
+  EXPECT_FLOAT_EQ(float(m.mean[2]), 1);
+}
+
+TEST(Bvh, DegenerateTrianglesAreHarmless) {
+  Scene scene;
+  add_floor(scene, Color(0.5f, 0.5f, 0.5f));
+  const int lamp = add_material(scene, {.emission = Color(1, 1, 1)});
+  Mesh flat{.positions = {{0, 1, 0}, {0, 1, 0}, {1, 1, 0}, {1, 1, 1}}, .material = lamp};
+  flat.triangles = {{0, 1, 2}, {2, 2, 2}, {0, 2, 3}};
+  add_mesh(scene, flat);
+  add_mesh(scene, Mesh{.material = lamp});
+  scene.cameras = {camera_at({0, 2, 3}, {0, 0, 0}, 0.8f)};
+  const RenderSettings settings{.size = {16, 16}};
+  EXPECT_EQ(dropped(render(*prepared(scene), settings, 0, {0, 0, 16, 16}, {0, 16})), 0u);
+}
+
+// A quad in z = 0 facing +Z with u to the right and v down, as pictures lie on it.
+struct Painted {
+  Scene scene;
+  explicit Painted(Material material, bool flipped = false) {
+    scene.materials.push_back(std::move(material));
+    Mesh quad = grid({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 1, 0);
+    for (Vec2& uv : quad.uvs) uv = {flipped ? 1 - uv.x : uv.x, 1 - uv.y};
+    add_mesh(scene, quad);
+  }
+  Bsdf bsdf(const Vec3& from) const {
+    const Geometry geometry(scene);
+    const Hit hit{0, 0, 0.3f, 0.3f};
+    const Vec3 direction = unit(-from);
+    return Materials(scene).bsdf(geometry, hit, geometry.surface(hit, from, direction, 1), direction);
+  }
+};
+
+TEST(Material, ANormalMapLeansTheNormalAlongTheTexture) {
+  Material m{.kind = Material::Kind::metallic_roughness};
+  m.normal_texture = {.picture = 0};
+  for (const bool flipped : {false, true}) {
+    Painted painted(m, flipped);
+    painted.scene.pictures.push_back({"flat", 1, 1, 3, {0.5f, 0.5f, 1}});
+    EXPECT_LT(length(painted.bsdf({0, 0, 1}).frame.z - Vec3(0, 0, 1)), 1e-6f);
+    painted.scene.pictures[0].pixels = {0.8f, 0.5f, 0.9f};  // towards growing u
+    EXPECT_LT(length(painted.bsdf({0, 0, 1}).frame.z - Vec3(flipped ? -0.6f : 0.6f, 0, 0.8f)), 1e-5f);
+    painted.scene.pictures[0].pixels = {0.5f, 0.8f, 0.9f};  // green is up
+    EXPECT_LT(length(painted.bsdf({0, 0, 1}).frame.z - Vec3(0, 0.6f, 0.8f)), 1e-5f);
+  }
+}
+
+TEST(Material, AShadingNormalIsBentSoThatMirrorDirectionsStayAboveTheSurface) {
+  Material m{.kind = Material::Kind::metallic_roughness};
+  m.normal_texture = {.picture = 0};
+  Random random(8);
+  for (int i = 0; i < 5000; ++i) {
+    Painted painted(m);
+    const Vec2 u = random.pair(), v = random.pair();
+    const Vec3 n = from_square(u.x, 0.5 + 0.5 * u.y);
+    painted.scene.pictures.push_back({"lean", 1, 1, 3, {0.5f + 0.5f * n.x, 0.5f + 0.5f * n.y, 0.5f + 0.5f * n.z}});
+    const Bsdf b = painted.bsdf(from_square(v.x, 0.505 + 0.49 * v.y));
+    const Vec3 mirrored = b.frame.to_world({-b.wo.x, -b.wo.y, b.wo.z});
+    EXPECT_GT(b.wo.z, 0);
+    EXPECT_GT(dot(mirrored, b.ng), 0);
+  }
+}
+
+TEST(Material, RoughnessAndMetalnessComeFromGreenAndBlue) {
+  Material m{.kind = Material::Kind::metallic_roughness, .base_color = Color(0.5f, 0.4f, 0.3f), .metallic = 1, .roughness = 0.5f};
+  m.metallic_roughness_texture = {.picture = 0};
+  Painted painted(m);
+  painted.scene.pictures.push_back({"orm", 1, 1, 3, {0, 0.5f, 1}});
+  const Bsdf metal = painted.bsdf({0, 0, 1});
+  EXPECT_FLOAT_EQ(metal.alpha, 0.0625f);
+  EXPECT_TRUE(is_black(metal.color));
+  EXPECT_FLOAT_EQ(metal.f0.y, 0.4f);
+  painted.scene.pictures[0].pixels[2] = 0;
+  EXPECT_FLOAT_EQ(painted.bsdf({0, 0, 1}).f0.x, 0.04f);
+}
+
+TEST(Material, BothSidesScatter) {
+  Painted painted({.base_color = Color(0.5f, 0.5f, 0.5f), .double_sided = false});
+  EXPECT_FALSE(is_black(evaluate(painted.bsdf({0, 0, -1}), {0, 0, -1}).f));
+  EXPECT_TRUE(is_black(evaluate(painted.bsdf({0, 0, -1}), {0, 0, 1}).f));
+}
+
+TEST(Camera, FieldsOfViewReachTheEdgesOfTheFrame) {
+  Camera camera;
+  camera.vertical_fov = kPi / 2;
+  const CameraRays vertical(camera, {200, 100});
+  EXPECT_LT(length(vertical.ray(100, 0, {}).direction - unit(Vec3(0, 1, -1))), 1e-6f);
+  EXPECT_LT(length(vertical.ray(200, 50, {}).direction - unit(Vec3(2, 0, -1))), 1e-6f);
+  camera.horizontal_fov = kPi / 2;
+  const CameraRays horizontal(camera, {200, 100});
+  EXPECT_LT(length(horizontal.ray(0, 50, {}).direction - unit(Vec3(-1, 0, -1))), 1e-6f);
+}
+
+TEST(Camera, AnUnknownNameIsAnsweredWithTheNamesThereAre) {
+  Scene scene;
+  scene.cameras.resize(2);
+  scene.cameras[0].name = "left";
+  scene.cameras[1].name = "right";
+  EXPECT_EQ(&camera_of(scene, ""), &scene.cameras[0]);
+  EXPECT_EQ(&camera_of(scene, "right"), &scene.cameras[1]);
+  try {
+    camera_of(scene, "middle");
+    FAIL();
+  } catch (const std::exception& e) {
+    EXPECT_THAT(e.what(), ::testing::AllOf(::testing::HasSubstr("middle"), ::testing::HasSubstr("left, right")));
+  }
+}
+
+}  // namespace
+}  // namespace tessera::tracer
