@@ -5,6 +5,7 @@
 
 #include "tests/worker/render/chi_squared.h"
 #include "tests/worker/render/scenes.h"
+#include "worker/render/camera.h"
 #include "worker/render/render_scene.h"
 #include "worker/render/texture.h"
 
