@@ -143,9 +143,9 @@ class Builder {
 Bvh::Bvh(const Geometry& geometry, const std::function<bool(int)>& masked, Solid solid)
     : contents_(new Contents{std::move(solid), nullptr, {}, nullptr}) {
   Contents& c = *contents_;
-  // One thread builds: with more, the order in which primitives lie in a leaf depends on how many there are,
-  // and with it which of two coplanar surfaces is hit.
-  c.device.reset(rtcNewDevice("threads=1"));
+  // Builds with all threads of TBB: Embree sorts the primitives of each leaf, so that their number does not
+  // show, not even in which of two coplanar surfaces is hit.
+  c.device.reset(rtcNewDevice(nullptr));
   if (!c.device) throw Error(ExitCode::internal_error, "Embree does not start");
   RTCDevice device = c.device.get();
   c.scene = new_scene(device);
