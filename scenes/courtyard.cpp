@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "scenes/ornaments.h"
 #include "scenes/paint.h"
 #include "scenes/shapes.h"
 
@@ -15,14 +16,12 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kHalf = 6.0f;        // metres, half the edge of the court between the arcades
-constexpr float kBay = 2.4f;         // from column to column
-constexpr int kBays = 5;             // a side
-constexpr float kSpringing = 2.35f;  // height of the columns with their capitals
-constexpr float kTop = 4.3f;         // of the walls
-constexpr float kDepth = 2.6f;       // of the walk behind the arches
-constexpr float kGlobe = -0.7f, kGlobeRadius = 0.14f;  // of a lantern: height from where it hangs
-const Vec3 kToSun(0.72f, 0.42f, 0.38f);                // low, from the right and behind the camera
+constexpr float kHalf = 6.0f;            // metres, half the edge of the court between the arcades
+constexpr float kBay = 2.4f;             // from column to column
+constexpr int kBays = 5;                 // a side
+constexpr float kTop = 4.3f;             // of the walls
+constexpr float kDepth = 2.6f;           // of the walk behind the arches
+const Vec3 kToSun(0.72f, 0.42f, 0.38f);  // low, from the right and behind the camera
 
 ordered_json json_of(const Vec3& v) { return ordered_json::array({v.x, v.y, v.z}); }
 
@@ -117,27 +116,6 @@ class Courtyard {
     mesh("garden_wall", "stucco", wall);
   }
 
-  static Shape column() {
-    return lathe({{0.25f, 0},     {0.25f, 0.14f}, {0.25f, 0.14f},  {0.23f, 0.17f},  {0.245f, 0.21f},
-                  {0.22f, 0.26f}, {0.17f, 0.29f}, {0.165f, 0.32f}, {0.167f, 0.9f},  {0.155f, 1.5f},
-                  {0.14f, 1.98f}, {0.14f, 1.98f}, {0.165f, 2.0f},  {0.165f, 2.04f}, {0.145f, 2.06f},
-                  {0.15f, 2.10f}, {0.20f, 2.18f}, {0.25f, 2.24f},  {0.26f, 2.27f},  {0.26f, 2.27f},
-                  {0.27f, 2.27f}, {0.27f, 2.27f}, {0.27f, 2.35f},  {0.27f, 2.35f},  {0.0f, 2.35f}},
-                 40);
-  }
-
-  // The brass of a lantern that hangs from the origin: a rod and a cap. What little of it is near the globe
-  // stays small, for brightly lit brass would be a lamp that no light sampling knows of.
-  static Shape lantern() {
-    Shape shape = lathe({{0.008f, kGlobe + 0.9f * kGlobeRadius}, {0.008f, 0}}, 8);
-    shape.add(lathe({{0.06f, kGlobe + 0.9f * kGlobeRadius},
-                     {0.05f, kGlobe + 1.1f * kGlobeRadius},
-                     {0.02f, kGlobe + 1.3f * kGlobeRadius},
-                     {0.0f, kGlobe + 1.4f * kGlobeRadius}},
-                    24));
-    return shape;
-  }
-
   void build_arcades() {
     mesh("column", "stone", column());
     mesh("arch", "stucco", arch(kBay, 2 * 0.95f, kTop - kSpringing, 0.44f, 40));
@@ -230,20 +208,6 @@ class Courtyard {
                 {0.0f, 1.94f}},
                40));
     for (const char* name : {"fountain", "bowl_water", "finial"}) place(name, {0, 0, z});
-  }
-
-  static Shape rosette() {
-    Shape shape;
-    Dice dice(7);
-    for (int i = 0; i < 34; ++i) {
-      const float rise = 0.25f + 1.15f * static_cast<float>(i) / 34,
-                  around = 2.399963f * static_cast<float>(i);
-      Matrix tilt, turn;
-      tilt.setAxisAngle(Vec3(1, 0, 0), -rise);
-      turn.setAxisAngle(Vec3(0, 1, 0), around);
-      shape.add(leaf(0.62f * dice.between(0.85f, 1.1f), 0.13f, 0.12f), tilt * turn);
-    }
-    return shape;
   }
 
   void build_plants() {

@@ -59,9 +59,9 @@ void transform_all(Scene& part, const Matrix& m) {
 
 }  // namespace
 
-Scene import_scene(const std::filesystem::path& file, int depth, std::string_view where) {
+Scene import_scene(const std::filesystem::path& file, ImportBudget& budget, std::string_view where) {
   const std::string extension = extension_of(file);
-  if (extension == ".json") return read_native(file, depth, where);
+  if (extension == ".json") return read_native(file, budget, where);
   if (extension == ".gltf" || extension == ".glb") return read_gltf(file, where);
   if (extension == ".obj") return read_obj(file, where);
   throw InputError(where.empty() ? file.string() : where,

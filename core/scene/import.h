@@ -9,12 +9,15 @@
 
 namespace tessera {
 
-// Scenes that import scenes that import …: no further than this.
-inline constexpr int kMaxImportDepth = 8;
+// How far scenes that import scenes may go: how deep, and how many files in all.
+struct ImportBudget {
+  int depth = 8;
+  int files = 10'000;
+};
 
 // Dispatches on the extension. `where` is the place that names the file, for messages; empty: the file
 // itself.
-Scene import_scene(const std::filesystem::path& file, int depth, std::string_view where = {});
+Scene import_scene(const std::filesystem::path& file, ImportBudget& budget, std::string_view where = {});
 
 // Moves everything of `part` but its environment to the end of `scene`, transformed. Powers stay as they are
 // under scaling. Adds a warning for what cannot be transformed exactly.

@@ -34,7 +34,8 @@ void light_up(Scene& scene, const std::filesystem::path& file) {
 }  // namespace
 
 Scene load_scene(const std::filesystem::path& file) {
-  Scene scene = import_scene(file, 0);
+  ImportBudget budget;
+  Scene scene = import_scene(file, budget);
   finish(scene, file.string());
   light_up(scene, file);
   return scene;

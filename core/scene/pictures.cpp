@@ -139,7 +139,12 @@ template <class Decode>
 int PictureShelf::place_once(const std::string& name, Encoding encoding, const Decode& decode_it) {
   const auto key = std::make_pair(name, encoding);
   if (const auto it = placed_.find(key); it != placed_.end()) return it->second;
-  scene_.pictures.push_back(decode_it());
+  Picture picture = decode_it();
+  floats_ += picture.pixels.size();
+  if (floats_ > kMaxShelfFloats)
+    throw InputError(name, "with this one the pictures hold too much",
+                     fmt::format("{} values in all", kMaxShelfFloats));
+  scene_.pictures.push_back(std::move(picture));
   return placed_[key] = static_cast<int>(scene_.pictures.size()) - 1;
 }
 

@@ -24,6 +24,8 @@ inline constexpr std::uint64_t kMaxPictureBytes = 1ull << 30;   // of the file
 Picture read_picture(const std::filesystem::path& file, Encoding, std::string_view where = {});
 Picture decode_picture(std::span<const unsigned char> bytes, const std::string& name, Encoding);
 
+inline constexpr std::uint64_t kMaxShelfFloats = 1ull << 31;  // of all pictures of one scene file: 8 GiB
+
 // Adds pictures to a scene: the same file in the same encoding is there once.
 class PictureShelf {
  public:
@@ -38,6 +40,7 @@ class PictureShelf {
   int place_once(const std::string& name, Encoding, const Decode&);
 
   Scene& scene_;
+  std::uint64_t floats_ = 0;  // of all pictures placed
   std::map<std::pair<std::string, Encoding>, int> placed_;
 };
 

@@ -94,9 +94,11 @@ class Converter {
     if (position == p.attributes.end())
       return warn_here(fmt::format("mesh '{}': a primitive has no POSITION", name));
     Mesh mesh;
-    mesh.name = name;
+    mesh.name = name.empty() ? part : name;
     const gltf::Floats positions = gltf::floats_of(document_, position->second, {TINYGLTF_TYPE_VEC3});
     for (std::size_t v = 0; v < positions.count(); ++v) mesh.positions.push_back(vec3_at(positions, v));
+    if ((vertices_ += positions.count()) > kMaxVertices)
+      document_.refuse(part, "there are too many vertices", fmt::format("{} in all", kMaxVertices));
     read_normals(mesh, p, part);
     read_uvs(mesh, p, part);
     read_triangles(mesh, p, part);
@@ -234,13 +236,14 @@ class Converter {
   }
 
   static constexpr int kMaxDepth = 1000;
+  static constexpr std::size_t kMaxVertices = std::size_t{1} << 28;  // many primitives may share one accessor
 
   const Document& document_;
   const tinygltf::Model& model_;
   Scene scene_;
   std::vector<int> first_mesh_;  // of our meshes, by glTF mesh, and the end
   std::vector<bool> on_path_;    // nodes between a root and the one visited
-  std::size_t visited_ = 0;
+  std::size_t visited_ = 0, vertices_ = 0;
   int depth_ = 0;
 };
 

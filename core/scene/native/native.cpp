@@ -37,7 +37,7 @@ std::vector<std::string_view> keys_of(const Map& map) {
 // Reads the parts in the order in which they refer to each other.
 class Reader {
  public:
-  Reader(const Node& root, int depth) : root_(root), depth_(depth), shelf_(scene_) {}
+  Reader(const Node& root, ImportBudget& budget) : root_(root), budget_(budget), shelf_(scene_) {}
 
   Scene read() {
     scene_.name = root_.text("name", std::filesystem::path(root_.file).stem().string());
@@ -71,12 +71,14 @@ class Reader {
     return node ? node->members() : std::vector<std::pair<std::string, Node>>{};
   }
 
-  Scene read_file_of(const Node& node) const {
+  Scene read_file_of(const Node& node) {
     const Node file = node.at("file");
-    if (depth_ >= kMaxImportDepth)
-      throw InputError(file.where(),
-                       fmt::format("scenes import each other more than {} deep", kMaxImportDepth));
-    return import_scene(node.path("file"), depth_ + 1, file.where());
+    if (budget_.depth == 0) throw InputError(file.where(), "scenes import each other too deeply", "8 levels");
+    if (--budget_.files < 0) throw InputError(file.where(), "too many files are imported", "10000 in all");
+    --budget_.depth;
+    Scene part = import_scene(node.path("file"), budget_, file.where());
+    ++budget_.depth;
+    return part;
   }
 
   static Matrix placement(const Node& node) {
@@ -165,7 +167,7 @@ class Reader {
   }
 
   const Node& root_;
-  int depth_;
+  ImportBudget& budget_;
   Scene scene_;
   PictureShelf shelf_;
   std::optional<int> grey_;                                    // what has no material gets this one
@@ -176,13 +178,13 @@ class Reader {
 
 }  // namespace
 
-Scene read_native(const std::filesystem::path& file, int depth, std::string_view where) {
+Scene read_native(const std::filesystem::path& file, ImportBudget& budget, std::string_view where) {
   const std::string name = file.string();
   const Json document = parse_json(read_file(file, kMaxBytes, where), name);
   const Json schema = parse_json(scene_schema(), "scene.schema.json");
   check_schema(document, schema, name);
   const Node root{&document, name, ""};
-  return Reader(root, depth).read();
+  return Reader(root, budget).read();
 }
 
 }  // namespace tessera

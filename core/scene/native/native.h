@@ -4,12 +4,11 @@
 
 #include <filesystem>
 
-#include "core/scene/scene.h"
+#include "core/scene/import.h"
 
 namespace tessera {
 
-// `depth`: how many scene files import this one in turn. Throws InputError at `where` if there is no such
-// file.
-Scene read_native(const std::filesystem::path& file, int depth, std::string_view where = {});
+// Throws InputError at `where` if there is no such file. `budget` is what is left for files that it imports.
+Scene read_native(const std::filesystem::path& file, ImportBudget& budget, std::string_view where = {});
 
 }  // namespace tessera
