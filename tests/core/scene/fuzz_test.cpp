@@ -8,6 +8,17 @@
 #include "tests/core/scene/folder.h"
 #include "tests/core/scene/glb.h"
 
+// assimp and OpenImageIO (where libpng jumps out of it) forget memory when a file is broken. Not ours to
+// mend; ours would still be found.
+extern "C" const char* __asan_default_options();
+extern "C" const char* __asan_default_options() {
+  return "fast_unwind_on_malloc=0";
+}  // sees through libstdc++
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() {
+  return "leak:libassimp\nleak:libOpenImageIO\nleak:libpng\n";
+}
+
 namespace tessera {
 namespace {
 
@@ -79,7 +90,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, SpoiltFile,
                          testing::Values(Kind{"all.json", 500}, Kind{"card.gltf", 1000},
                                          Kind{"card.glb", 1000}, Kind{"plain.glb", 1000},
                                          Kind{"card.obj", 1500}, Kind{"card.mtl", 1000},
-                                         Kind{"corners.png", 1500}),
+                                         Kind{"corners.png", 1000}),
                          [](const auto& test) {
                            std::string name = test.param.name;
                            name[name.find('.')] = '_';

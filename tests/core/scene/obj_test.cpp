@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/scene/mtl.h"
 #include "tests/core/scene/folder.h"
 
 namespace tessera {
@@ -47,6 +48,15 @@ TEST(Obj, AMissingMaterialLibraryIsSaidAndAMissingTextureRefused) {
   folder.write("card.mtl", contents(kData / "card.mtl"));
   EXPECT_THAT(refusal(file), HasSubstr("material 'paper': "));
   EXPECT_THAT(refusal(file), HasSubstr("corners.png: no such file"));
+}
+
+TEST(CheckedMtl, KeepsWholeStatementsWithinAMaterialAndNamesTheOthers) {
+  const CheckedMtl mtl = checked_mtl(
+      "Kd 1 1 1\n# c\nnewmtl  a b \nKd .5 0.25 1 junk\nKe 1 2\nKs nan 0 0\nmap_Kd -s 1 1 1 x.png\nmap_Kd y "
+      "z.png\r\n");
+  EXPECT_EQ(mtl.text, "newmtl a b\nKd 0.5 0.25 1\nmap_Kd y z.png\n");
+  EXPECT_THAT(mtl.warnings, testing::ElementsAre(HasSubstr("1: 'Kd 1 1 1'"), HasSubstr("5: 'Ke 1 2'"),
+                                                 HasSubstr("6: 'Ks nan"), HasSubstr("7: 'map_Kd -s")));
 }
 
 TEST(Obj, AModelWithoutLightIsLitAndSaysSo) {
