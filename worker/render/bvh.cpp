@@ -9,15 +9,16 @@
 #include "core/error.h"
 
 namespace tessera::tracer {
-namespace {
 
-struct Deleter {
+struct EmbreeRelease {
   void operator()(RTCDevice d) const { rtcReleaseDevice(d); }
   void operator()(RTCScene s) const { rtcReleaseScene(s); }
   void operator()(RTCGeometry g) const { rtcReleaseGeometry(g); }
 };
 template <typename T>
-using Owned = std::unique_ptr<std::remove_pointer_t<T>, Deleter>;
+using Owned = std::unique_ptr<std::remove_pointer_t<T>, EmbreeRelease>;
+
+namespace {
 
 void check(RTCDevice device) {
   const RTCError error = rtcGetDeviceError(device);

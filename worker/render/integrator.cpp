@@ -15,10 +15,7 @@ constexpr int kSureBounces = 2;
 
 // The sets of random numbers: two for the camera, then four a vertex.
 constexpr std::uint32_t kPixelSet = 0, kLensSet = 1;
-enum class Choice : std::uint32_t { light_point, direction, which, roulette };
-Vec2 random(const Sampler& sampler, int vertex, Choice choice) {
-  return sampler(2 + 4 * static_cast<std::uint32_t>(vertex) + static_cast<std::uint32_t>(choice));
-}
+std::uint32_t first_set(int vertex) { return 2 + 4 * static_cast<std::uint32_t>(vertex); }
 
 template <typename P>
 void clear(P& packet) {
@@ -48,17 +45,14 @@ Integrator::Integrator(const RenderScene& scene, const RenderSettings& settings)
 void Integrator::trace(const BlockKeys& block, int sample, SampleBlock& out) {
   start(block, sample);
   scene_.bvh().intersect_coherent(rays_);
+  find_surfaces();
   for (int lane = 0; lane < kLanes; ++lane) rays_.hit(lane) ? first_hit(lane, out) : sky(lane, out);
   for (int bounce = 0; bounce <= max_bounces_; ++bounce) {
+    if (!ready_vertices(block, sample, bounce)) break;
     clear(rays_);
     clear(shadows_);
-    bool any = false;
-    for (int lane = 0; lane < kLanes; ++lane) {
-      if (!paths_[static_cast<std::size_t>(lane)].alive) continue;
-      scatter(lane, bounce);
-      any = true;
-    }
-    if (!any) break;
+    for (int lane = 0; lane < kLanes; ++lane)
+      if (paths_[static_cast<std::size_t>(lane)].alive) scatter(lane, bounce);
     collect_light(bounce);
     next_hits(bounce);
   }
@@ -67,30 +61,48 @@ void Integrator::trace(const BlockKeys& block, int sample, SampleBlock& out) {
 
 void Integrator::start(const BlockKeys& block, int sample) {
   const auto& keys = block.half[static_cast<std::size_t>(sample & 1)];
+  RandomPairs<kLanes> pixel, lens;
+  pixel.draw(keys, half_index_reversed(sample), kPixelSet);
+  if (camera_.has_lens()) lens.draw(keys, half_index_reversed(sample), kLensSet);
   for (int lane = 0; lane < kLanes; ++lane) {
     Path& path = paths_[static_cast<std::size_t>(lane)];
-    path.random = Sampler(keys[static_cast<std::size_t>(lane)], sample);
-    const Vec2 within = path.random(kPixelSet);
+    const Vec2 within = pixel[static_cast<std::size_t>(lane)];
     const Ray ray = camera_.ray(static_cast<float>(block.x + lane % kBlockEdge) + within.x,
                                 static_cast<float>(block.y + lane / kBlockEdge) + within.y,
-                                camera_.has_lens() ? path.random(kLensSet) : Vec2(0, 0));
+                                camera_.has_lens() ? lens[static_cast<std::size_t>(lane)] : Vec2(0, 0));
     path.origin = ray.origin;
     path.direction = ray.direction;
     path.throughput = Color(1, 1, 1);
     path.radiance_scale = 1;
     path.scattered = 0;
     path.direct = path.indirect = path.emission = Color(0, 0, 0);
-    path.alive = path.waits = false;
+    path.alive = true;
+    path.waits = false;
     rays_.set(lane, ray.origin, ray.direction, kFar);
   }
 }
 
+// Draws the random numbers that the living paths need at their next vertex. False if there are none.
+bool Integrator::ready_vertices(const BlockKeys& block, int sample, int bounce) {
+  bool any = false, lobes = false;
+  for (const Path& path : paths_) {
+    any |= path.alive;
+    lobes |= path.alive && path.bsdf.kind != Material::Kind::diffuse;
+  }
+  if (!any) return false;
+  const auto& keys = block.half[static_cast<std::size_t>(sample & 1)];
+  const std::uint32_t index = half_index_reversed(sample), set = first_set(bounce);
+  const Lights& lights = scene_.lights();
+  if (!lights.empty()) light_point_.draw(keys, index, set);
+  direction_.draw(keys, index, set + 1);
+  if (lobes || lights.picks()) which_.draw(keys, index, set + 2);
+  if (bounce >= kSureBounces) roulette_.draw(keys, index, set + 3);
+  return true;
+}
+
 void Integrator::first_hit(int lane, SampleBlock& out) {
   Path& path = paths_[static_cast<std::size_t>(lane)];
-  const Hit hit = rays_.at(lane);
-  path.surface = scene_.geometry().surface(hit, path.origin, path.direction, rays_.distance(lane));
-  path.bsdf = scene_.materials().bsdf(scene_.geometry(), hit, path.surface, path.direction);
-  path.alive = true;
+  path.bsdf = scene_.materials().bsdf(scene_.geometry(), rays_.at(lane), path.surface, path.direction);
   if (path.surface.light >= 0)
     path.emission = scene_.lights().hit(path.origin, path.direction, path.surface, 0);
   out.hit[static_cast<std::size_t>(lane)] = 1;
@@ -103,6 +115,7 @@ void Integrator::first_hit(int lane, SampleBlock& out) {
 
 void Integrator::sky(int lane, SampleBlock& out) {
   Path& path = paths_[static_cast<std::size_t>(lane)];
+  path.alive = false;
   path.emission = scene_.lights().escaped(path.direction, 0);
   out.hit[static_cast<std::size_t>(lane)] = 0;
   out.set(Aov::albedo, lane, Vec3(1, 1, 1));
@@ -114,19 +127,19 @@ void Integrator::sky(int lane, SampleBlock& out) {
 // At a vertex: sends a shadow ray to a light, and the path on.
 void Integrator::scatter(int lane, int bounce) {
   Path& path = paths_[static_cast<std::size_t>(lane)];
-  if (!path.bsdf.delta && !scene_.lights().empty()) ask_light(path, lane, bounce);
+  if (!path.bsdf.delta && !scene_.lights().empty()) ask_light(path, lane);
   path.alive = bounce < max_bounces_ || gathers_emission();
   if (!path.alive) return;
   const bool one_lobe = path.bsdf.kind == Material::Kind::diffuse;
-  const float lobe = one_lobe ? 0 : random(path.random, bounce, Choice::which).x;
-  const BsdfSample s = sample(path.bsdf, lobe, random(path.random, bounce, Choice::direction));
+  const auto i = static_cast<std::size_t>(lane);
+  const BsdfSample s = sample(path.bsdf, one_lobe ? 0 : which_.x[i], direction_[i]);
   path.alive = !is_black(s.weight);
   if (!path.alive) return;
   path.throughput *= s.weight;
   path.radiance_scale *= s.radiance_scale;
   path.scattered = s.pdf;
   path.direction = s.wi;
-  path.alive = survives(path, bounce);
+  path.alive = survives(path, lane, bounce);
   if (!path.alive) return;
   path.origin = leaving(path.surface, s.wi);
   rays_.set(lane, path.origin, s.wi, kFar);
@@ -137,21 +150,21 @@ bool Integrator::gathers_emission() const {
 }
 
 // Russian roulette on what the path can still carry.
-bool Integrator::survives(Path& path, int bounce) const {
+bool Integrator::survives(Path& path, int lane, int bounce) const {
   if (bounce < kSureBounces || bounce == max_bounces_) return true;
   // The root of what is carried: on a scene of mostly diffuse bounces the least error for the time.
   const float chance = std::sqrt(max_component(path.throughput) / path.radiance_scale);
   if (chance >= 1) return true;
-  if (random(path.random, bounce, Choice::roulette).x >= chance) return false;
+  if (roulette_.x[static_cast<std::size_t>(lane)] >= chance) return false;
   path.throughput *= 1.0f / chance;
   return true;
 }
 
-void Integrator::ask_light(Path& path, int lane, int bounce) {
+void Integrator::ask_light(Path& path, int lane) {
   const Lights& lights = scene_.lights();
-  const float pick = lights.single() ? 0 : random(path.random, bounce, Choice::which).y;
+  const auto i = static_cast<std::size_t>(lane);
   const LightSample light =
-      lights.sample(path.surface.position, pick, random(path.random, bounce, Choice::light_point));
+      lights.sample(path.surface.position, lights.picks() ? which_.y[i] : 0, light_point_[i]);
   if (!(light.pdf > 0)) return;
   const BsdfValue scattered = evaluate(path.bsdf, light.direction);
   const float weight = (light.delta ? 1.0f : power_heuristic(light.pdf, scattered.pdf)) / light.pdf;
@@ -200,8 +213,20 @@ void Integrator::next_hits(int bounce) {
     return;
   }
   scene_.bvh().intersect(rays_);
+  find_surfaces();
   for (int lane = 0; lane < kLanes; ++lane)
     if (paths_[static_cast<std::size_t>(lane)].alive) arrive(lane, bounce);
+}
+
+// All lanes first, for they wait for memory at the same time then.
+void Integrator::find_surfaces() {
+  for (int lane = 0; lane < kLanes; ++lane) {
+    Path& path = paths_[static_cast<std::size_t>(lane)];
+    if (!path.alive || !rays_.hit(lane)) continue;
+    path.left = path.surface.position;
+    path.surface =
+        scene_.geometry().surface(rays_.at(lane), path.origin, path.direction, rays_.distance(lane));
+  }
 }
 
 // At the end of a ray that was scattered at vertex `bounce`: collects emission, and readies the next vertex.
@@ -213,14 +238,10 @@ void Integrator::arrive(int lane, int bounce) {
     path.alive = false;
     return;
   }
-  const Hit hit = rays_.at(lane);
-  // Emission is weighed by the density at the vertex itself, not at the offset origin of the ray.
-  const Vec3 from = path.surface.position;
-  path.surface = scene_.geometry().surface(hit, path.origin, path.direction, rays_.distance(lane));
   if (path.surface.light >= 0)
-    light += path.throughput * scene_.lights().hit(from, path.direction, path.surface, path.scattered);
+    light += path.throughput * scene_.lights().hit(path.left, path.direction, path.surface, path.scattered);
   if (bounce < max_bounces_)
-    path.bsdf = scene_.materials().bsdf(scene_.geometry(), hit, path.surface, path.direction);
+    path.bsdf = scene_.materials().bsdf(scene_.geometry(), rays_.at(lane), path.surface, path.direction);
 }
 
 void Integrator::finish(SampleBlock& out) const {

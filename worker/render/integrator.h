@@ -32,8 +32,8 @@ class Integrator {
 
  private:
   struct Path {
-    Sampler random;
-    Vec3 origin, direction;   // of the ray in flight; the origin lies on a surface
+    Vec3 origin, direction;   // of the ray in flight
+    Vec3 left;                // the vertex it comes from; the origin is off its surface
     Color throughput;         // of the path so far
     float scattered;          // density of `direction`; 0 if a delta
     float radiance_scale;     // of the refractions in throughput, of which roulette must not know
@@ -45,14 +45,16 @@ class Integrator {
   };
 
   void start(const BlockKeys& block, int sample);
+  bool ready_vertices(const BlockKeys& block, int sample, int bounce);
   void first_hit(int lane, SampleBlock& out);
   void sky(int lane, SampleBlock& out);
   void scatter(int lane, int bounce);
-  void ask_light(Path& path, int lane, int bounce);
+  void ask_light(Path& path, int lane);
   void collect_light(int bounce);
   void next_hits(int bounce);
+  void find_surfaces();
   void arrive(int lane, int bounce);
-  bool survives(Path& path, int bounce) const;
+  bool survives(Path& path, int lane, int bounce) const;
   void finish(SampleBlock& out) const;
   bool gathers_emission() const;
 
@@ -61,6 +63,8 @@ class Integrator {
   int max_bounces_;
   bool albedo_;
   std::array<Path, kLanes> paths_;
+  // Random numbers of the vertices in hand: a point on a light, a direction, (lobe, light), (roulette, -).
+  RandomPairs<kLanes> light_point_, direction_, which_, roulette_;
   Packet rays_;
   ShadowPacket shadows_;
 };

@@ -4,6 +4,7 @@
 // on its own (Burley 2020, "Practical Hash-based Owen Scrambling"; Laine and Karras 2011).
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "core/scene/scene.h"
@@ -54,28 +55,35 @@ inline std::uint64_t half_key(std::uint64_t seed, int frame, int x, int y, int h
   return mixed(b ^ (word(y) << 32 | word(x)));
 }
 
-// The numbers of one pixel sample.
-class Sampler {
- public:
-  Sampler() = default;
-  // `key` is that of half `sample & 1`.
-  Sampler(std::uint64_t key, int sample)
-      : key_(key), index_(reversed_bits(static_cast<std::uint32_t>(sample) >> 1)) {}
+// The position of a sample in its half's sequence, bits reversed.
+inline std::uint32_t half_index_reversed(int sample) {
+  return reversed_bits(static_cast<std::uint32_t>(sample) >> 1);
+}
 
-  // Two numbers in [0, 1); sets are independent of one another.
-  Vec2 operator()(std::uint32_t set) const {
-    const std::uint64_t seeds = mixed(key_ + (set + 1u) * 0x9e3779b97f4a7c15u);
-    const auto shuffle = static_cast<std::uint32_t>(seeds);
-    const auto first = static_cast<std::uint32_t>(seeds >> 32);
-    const auto second = static_cast<std::uint32_t>((seeds * 0xd1342543de82ef95u) >> 32);
-    const std::uint32_t index = reversed_bits(owen_scrambled_reversed(index_, shuffle));
-    return {unit_float(reversed_bits(owen_scrambled_reversed(index, first))),
-            unit_float(reversed_bits(owen_scrambled_reversed(sobol_second_reversed(index), second)))};
+// Two numbers in [0, 1); sets are independent of one another. `key` is that of half `sample & 1`.
+inline Vec2 random_pair(std::uint64_t key, std::uint32_t index_reversed, std::uint32_t set) {
+  const std::uint64_t seeds = mixed(key + (set + 1u) * 0x9e3779b97f4a7c15u);
+  const auto shuffle = static_cast<std::uint32_t>(seeds);
+  const auto first = static_cast<std::uint32_t>(seeds >> 32);
+  const auto second = static_cast<std::uint32_t>((seeds * 0xd1342543de82ef95u) >> 32);
+  const std::uint32_t index = reversed_bits(owen_scrambled_reversed(index_reversed, shuffle));
+  return {unit_float(reversed_bits(owen_scrambled_reversed(index, first))),
+          unit_float(reversed_bits(owen_scrambled_reversed(sobol_second_reversed(index), second)))};
+}
+
+// Pairs for the pixels of a block side by side.
+template <std::size_t N>
+struct RandomPairs {
+  alignas(64) std::array<float, N> x, y;
+
+  void draw(const std::array<std::uint64_t, N>& keys, std::uint32_t index_reversed, std::uint32_t set) {
+    for (std::size_t i = 0; i < N; ++i) {
+      const Vec2 pair = random_pair(keys[i], index_reversed, set);
+      x[i] = pair.x;
+      y[i] = pair.y;
+    }
   }
-
- private:
-  std::uint64_t key_ = 0;
-  std::uint32_t index_ = 0;  // within the half, bits reversed
+  Vec2 operator[](std::size_t i) const { return {x[i], y[i]}; }
 };
 
 }  // namespace tessera::tracer

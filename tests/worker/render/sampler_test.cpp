@@ -10,10 +10,14 @@
 namespace tessera::tracer {
 namespace {
 
+Vec2 pair(std::uint64_t key, int sample, std::uint32_t set) {
+  return random_pair(key, half_index_reversed(sample), set);
+}
+
 // The points of one half: sample indices 2 i + half.
 std::vector<Vec2> points(std::uint64_t key, int half, std::uint32_t set, int n) {
   std::vector<Vec2> all;
-  for (int i = 0; i < n; ++i) all.push_back(Sampler(key, 2 * i + half)(set));
+  for (int i = 0; i < n; ++i) all.push_back(pair(key, 2 * i + half, set));
   return all;
 }
 
@@ -42,7 +46,7 @@ TEST(Sampler, EveryAlignedPowerOfTwoOfAHalfIsAZeroTwoNet) {
 
 TEST(Sampler, NumbersLieInTheHalfOpenUnitInterval) {
   for (int i = 0; i < 100000; ++i) {
-    const Vec2 u = Sampler(mixed(static_cast<std::uint64_t>(i)), i)(static_cast<std::uint32_t>(i % 7));
+    const Vec2 u = pair(mixed(static_cast<std::uint64_t>(i)), i, static_cast<std::uint32_t>(i % 7));
     ASSERT_TRUE(u.x >= 0 && u.x < 1 && u.y >= 0 && u.y < 1);
   }
 }
@@ -54,7 +58,7 @@ TEST(Sampler, EachSampleIsUniformOverThePixels) {
     std::vector<double> count(kBins * kBins);
     for (int y = 0; y < kEdge; ++y)
       for (int x = 0; x < kEdge; ++x) {
-        const Vec2 u = Sampler(half_key(1, 0, x, y, sample & 1), sample)(3);
+        const Vec2 u = pair(half_key(1, 0, x, y, sample & 1), sample, 3);
         ++count[static_cast<std::size_t>(int(u.x * kBins) * kBins + int(u.y * kBins))];
       }
     double chi2 = 0;
@@ -73,7 +77,7 @@ TEST(Sampler, HalvesSetsPixelsFramesAndSeedsAreUncorrelated) {
     return all;
   };
   const auto first = [](std::uint64_t key, int sample, std::uint32_t set) {
-    return double(Sampler(key, sample)(set).x);
+    return double(pair(key, sample, set).x);
   };
   const auto base = series([&](int i) { return first(half_key(5, 0, i, 0, 0), 6, 2); });
   // The standard error of a correlation of independent series is 1 / sqrt(n).
@@ -88,14 +92,15 @@ TEST(Sampler, HalvesSetsPixelsFramesAndSeedsAreUncorrelated) {
   expect_apart("the next frame", [&](int i) { return first(half_key(5, 1, i, 0, 0), 6, 2); });
   expect_apart("the next seed", [&](int i) { return first(half_key(6, 0, i, 0, 0), 6, 2); });
   expect_apart("the other coordinate",
-               [&](int i) { return double(Sampler(half_key(5, 0, i, 0, 0), 6)(2).y); });
+               [&](int i) { return double(pair(half_key(5, 0, i, 0, 0), 6, 2).y); });
 }
 
-TEST(Sampler, IsAFunctionOfItsCoordinatesAlone) {
-  const std::uint64_t key = half_key(3, 1, 40, 41, 0);
-  const Vec2 there = Sampler(key, 12)(9);
-  for (std::uint32_t set = 20; set-- > 0;) Sampler(key, 14)(set);
-  EXPECT_EQ(Sampler(key, 12)(9), there);
+TEST(Sampler, PixelsSideBySideDrawWhatEachWouldAlone) {
+  std::array<std::uint64_t, 16> keys;
+  for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = half_key(3, 1, static_cast<int>(i), 41, 0);
+  RandomPairs<16> pairs;
+  pairs.draw(keys, half_index_reversed(12), 9);
+  for (std::size_t i = 0; i < keys.size(); ++i) EXPECT_EQ(pairs[i], pair(keys[i], 12, 9));
 }
 
 TEST(Sampler, TheSecondDimensionIsSobols) {

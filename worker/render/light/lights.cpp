@@ -100,7 +100,7 @@ void Lights::add_spheres() {
 }
 
 LightSample Lights::sample(const Vec3& p, float pick, const Vec2& u) const {
-  const Distribution::Pick chosen = single() ? Distribution::Pick{0, pick} : picks_.pick(pick);
+  const Distribution::Pick chosen = lights_.size() == 1 ? Distribution::Pick{0, pick} : picks_.pick(pick);
   LightSample s = sample_at(p, lights_[chosen.index], chosen.share, u);
   s.pdf *= picks_.probability(chosen.index);
   return s;

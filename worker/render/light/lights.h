@@ -27,7 +27,8 @@ class Lights {
   Lights(const Scene& scene, Geometry& geometry, const Materials& materials, float radius);
 
   bool empty() const { return picks_.size() == 0; }  // nothing to sample; there may still be an environment
-  bool single() const { return picks_.size() == 1; }
+  // sample() heeds `pick`: there are several lights, or one of several triangles.
+  bool picks() const { return picks_.size() > 1 || !meshes_.empty(); }
   bool surfaces_emit() const { return surfaces_emit_; }
   bool sky_emits() const { return !environment_.black() || !suns_.empty(); }
 
