@@ -26,16 +26,38 @@ std::string text(const Region& r) {
   return fmt::format("{} x {} pixels at ({}, {})", r.width(), r.height(), r.x0, r.y0);
 }
 
-Image rgb_of(const std::filesystem::path& file, const ExrImage& image) {
+// The three planes `layer`R, `layer`G, `layer`B, unless one of them is missing.
+std::optional<Image> layer_of(const ExrImage& image, std::string_view layer) {
   Image rgb(image.pixels.region(), 3);
-  constexpr std::array<std::string_view, 3> names{"R", "G", "B"};
   for (int c = 0; c < 3; ++c) {
-    const int plane = image.plane(names[c]);
-    if (plane < 0)
-      throw InputError(file.string(), fmt::format("has no channel {}", names[c]), "files with R, G and B");
+    const int plane = image.plane(fmt::format("{}{}", layer, "RGB"[c]));
+    if (plane < 0) return std::nullopt;
     std::ranges::copy(image.pixels.plane(plane), rgb.plane(c).begin());
   }
   return rgb;
+}
+
+Image rgb_of(const std::filesystem::path& file, const ExrImage& image) {
+  if (auto rgb = layer_of(image, "")) return *std::move(rgb);
+  throw InputError(file.string(), "has not all of the channels R, G and B", "files with R, G and B");
+}
+
+// The relMSE that is due to the reference's own noise, if it says how noisy its pixels are.
+std::optional<double> noise_of(const ExrImage& reference, const Image& r) {
+  const std::optional<Image> variance = layer_of(reference, "variance.");
+  if (!variance) return std::nullopt;
+  double sum = 0;
+  for (std::size_t i = 0; i < r.data().size(); ++i)
+    sum += variance->data()[i] / (double(r.data()[i]) * r.data()[i] + kRelMseEpsilon);
+  return sum / static_cast<double>(r.data().size());
+}
+
+void write_sheet(const CompareOptions& options, const ExrImage& image, const Image& x, const Image& r) {
+  std::vector<Image> images;
+  if (auto noisy = layer_of(image, "noisy.")) images.push_back(*std::move(noisy));
+  images.push_back(x);
+  images.push_back(r);
+  write_png(options.sheet, side_by_side(images), options.exposure);
 }
 
 Size tile_of(const CompareOptions& options, const ExrImage& image) {
@@ -81,6 +103,7 @@ struct Comparison {
   float exposure = 0;
   std::int64_t broken_image = 0, broken_reference = 0;  // pixels that are not finite
   std::optional<float> heat_map_scale;
+  std::optional<double> reference_noise;  // relMSE
 };
 
 nlohmann::ordered_json json(const Comparison& c) {
@@ -95,6 +118,7 @@ nlohmann::ordered_json json(const Comparison& c) {
   j["seam"] = c.seam;
   j["tile"] = {c.tile.width, c.tile.height};
   j["not_finite"] = {{"image", c.broken_image}, {"reference", c.broken_reference}};
+  if (c.reference_noise) j["reference_noise"] = *c.reference_noise;
   if (c.heat_map_scale) j["heat_map_scale"] = *c.heat_map_scale;
   return j;
 }
@@ -105,6 +129,8 @@ void write_table(std::ostream& out, const Comparison& c, const CompareOptions& o
   };
   row("relMSE", c.rel_mse, "linear, epsilon 0.01");
   row("relMSE trimmed", c.rel_mse_trimmed, "without the worst 0.1 % of the pixels");
+  if (c.reference_noise)
+    row("of it reference", *c.reference_noise, "the reference's own noise, by its variance layer");
   row("RMSE", c.rmse, "linear");
   row("SSIM", c.ssim, fmt::format("sRGB, exposure {:+g}", c.exposure));
   row("seam", c.seam, fmt::format("at tiles of {} x {}; 1 = none", c.tile.width, c.tile.height));
@@ -143,6 +169,7 @@ void describe(CLI::App& app, CompareOptions& options) {
       ->check(CLI::Range(-100.0f, 100.0f))
       ->capture_default_str();
   app.add_option("--heat-map", options.heat_map, "Write a PNG of the error per pixel");
+  app.add_option("--sheet", options.sheet, "Write a PNG of noisy, image and reference beside each other");
   app.add_flag("--json", options.json, "Print a JSON object");
 }
 
@@ -158,6 +185,7 @@ int compare(const CompareOptions& options, std::ostream& out) {
   c.ssim = ssim(x, r, options.exposure);
   c.seam = seam(x, r, c.tile);
   c.exposure = options.exposure;
+  c.reference_noise = noise_of(reference, r);
   c.broken_image = broken_pixels(x);
   c.broken_reference = broken_pixels(r);
   if (!options.heat_map.empty()) {
@@ -165,6 +193,7 @@ int compare(const CompareOptions& options, std::ostream& out) {
     c.heat_map_scale = scale_of(errors);
     write_png(options.heat_map, heat_map(errors, 0.0f, *c.heat_map_scale));
   }
+  if (!options.sheet.empty()) write_sheet(options, image, x, r);
   if (options.json)
     out << json(c).dump(2) << '\n';
   else

@@ -21,6 +21,8 @@ struct CompareOptions {
   float exposure = 0;     // in stops, of the display metrics (SSIM)
   bool json = false;
   std::filesystem::path heat_map;  // PNG to write; empty: none
+  std::filesystem::path
+      sheet;  // PNG of noisy (if the image has that layer), image and reference; empty: none
 };
 
 void describe(CLI::App&, CompareOptions&);

@@ -39,14 +39,18 @@ struct Coordinator::Active {
 };
 
 Coordinator::Coordinator(Transport& road, const CoordinatorOptions& options)
-    : road_(road), options_(options), scheduler_(options.scheduler) {}
+    : road_(road),
+      options_(options),
+      scheduler_(options.scheduler),
+      next_job_(options.first_id),
+      next_task_(options.first_id) {}
 
 Coordinator::~Coordinator() = default;
 
 JobReport Coordinator::run(const Job& job, const JobWatcher& watcher) {
   validate(job);
   const Instant start = clock_now();
-  active_ = std::make_unique<Active>(++last_job_, job, start);
+  active_ = std::make_unique<Active>(next_job_++, job, start);
   add(active_->frame.begin(), start);
   while (!active_->over()) {
     std::optional<Mail> mail = road_.receive(next_wake(clock_now()));
@@ -197,7 +201,7 @@ void Coordinator::add(const std::vector<Work>& work, Instant now) {
   if (work.empty()) return;
   Submitted submitted;
   for (const Work& w : work) {
-    const TaskId id = ++last_task_;
+    const TaskId id = next_task_++;
     active_->tasks.emplace(id, Task{id, active_->id, w});
     submitted.tasks.push_back({id, active_->id});
   }

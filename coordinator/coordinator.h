@@ -21,6 +21,9 @@ namespace tessera {
 struct CoordinatorOptions {
   SchedulerOptions scheduler;
   Millis heartbeat{1000};  // what workers are asked for; well below scheduler.silence
+  // Jobs and tasks are numbered from here. A coordinator whose workers outlive it starts elsewhere in each
+  // life, so that no old result is taken for a new one.
+  std::uint64_t first_id = 1;
 };
 
 // How a job ended, or stands.
@@ -79,8 +82,8 @@ class Coordinator {
   CoordinatorOptions options_;
   Scheduler scheduler_;
   std::unique_ptr<Active> active_;
-  JobId last_job_ = 0;
-  TaskId last_task_ = 0;
+  JobId next_job_;
+  TaskId next_task_;
   std::map<WorkerId, std::string> device_classes_;
   std::atomic<bool> interrupted_ = false, snapshot_wanted_ = false;
 };

@@ -35,6 +35,7 @@ Lights::Lights(const Scene& scene, Geometry& geometry, const Materials& material
     environment_pick_ = static_cast<int>(lights_.size());
     add({Kind::environment, 0}, 4 * kPi * kPi * square(radius) * luminance(environment_.mean()));
   }
+  balance();
   picks_ = Distribution(powers_);
   for (std::size_t i = 0; i < lights_.size(); ++i)
     if (lights_[i].kind == Kind::sun && sun_at_[lights_[i].index] >= 0)
@@ -44,6 +45,18 @@ Lights::Lights(const Scene& scene, Geometry& geometry, const Materials& material
 void Lights::add(const Light& light, float power) {
   lights_.push_back(light);
   powers_.push_back(power);
+}
+
+// Sun and sky reach all of a scene, a lamp only what is near: by power alone a lamp would hardly ever be
+// picked where it matters. So, where there are both, each side as a whole gets half of the picks.
+void Lights::balance() {
+  const auto far = [&](std::size_t i) {
+    return lights_[i].kind == Kind::sun || lights_[i].kind == Kind::environment;
+  };
+  float sums[2] = {0, 0};
+  for (std::size_t i = 0; i < lights_.size(); ++i) sums[far(i)] += powers_[i];
+  if (!(sums[0] > 0 && sums[1] > 0)) return;
+  for (std::size_t i = 0; i < lights_.size(); ++i) powers_[i] /= sums[far(i)];
 }
 
 void Lights::add_punctual(float radius) {
@@ -118,10 +131,14 @@ LightSample Lights::sample_at(const Vec3& p, const Light& light, float pick, con
       s.radiance *= spot_falloff(l, -dot(s.direction, unit(l.direction)));
       return s;
     }
-    case Kind::sun: return sample_sun(light, u);
-    case Kind::mesh: return sample_mesh(light, p, pick, u);
-    case Kind::sphere: return sample_sphere(light, p, u);
-    case Kind::environment: return sample_environment(u);
+    case Kind::sun:
+      return sample_sun(light, u);
+    case Kind::mesh:
+      return sample_mesh(light, p, pick, u);
+    case Kind::sphere:
+      return sample_sphere(light, p, u);
+    case Kind::environment:
+      return sample_environment(u);
   }
   return {};
 }
@@ -137,7 +154,11 @@ LightSample Lights::sample_sun(const Light& light, const Vec2& u) const {
   const DirectionalLight& l = scene_->suns[light.index];
   if (sun_at_[light.index] < 0) return {unit(-l.direction), {}, true, true, l.irradiance, 1};
   const Sun& sun = suns_[static_cast<std::size_t>(sun_at_[light.index])];
-  return {sun.frame.to_world(cone(u, sun.versine)), {}, true, false, sun.radiance,
+  return {sun.frame.to_world(cone(u, sun.versine)),
+          {},
+          true,
+          false,
+          sun.radiance,
           1.0f / (2 * kPi * sun.versine)};
 }
 
@@ -161,9 +182,10 @@ LightSample Lights::sample_mesh(const Light& light, const Vec3& p, float pick, c
   const int material = geometry_->pieces[piece].mesh->material;
   if (!(distance2 > 0) || cosine == 0 || (cosine < 0 && !materials_->double_sided(material))) return {};
   const Vec2 where = geometry_->uv({piece, primitive, uv.x, uv.y});
-  const Color emission = materials_->solid(material, where) ? materials_->emission(material, where) : Color(0, 0, 0);
-  return {direction, offset_origin(at, cosine < 0 ? -normal : normal), false, false, emission,
-          mesh_pdf(light, distance2, std::abs(cosine))};
+  const Color emission =
+      materials_->solid(material, where) ? materials_->emission(material, where) : Color(0, 0, 0);
+  return {direction, offset_origin(at, cosine < 0 ? -normal : normal), false, false,
+          emission,  mesh_pdf(light, distance2, std::abs(cosine))};
 }
 
 float Lights::mesh_pdf(const Light& light, float distance2, float cosine) const {
@@ -190,7 +212,10 @@ LightSample Lights::sample_sphere(const Light& light, const Vec3& p, const Vec2&
   const float away2 = dot(way, way);
   if (!(away2 > 0)) return {};
   const Vec3 direction = way * (1.0f / std::sqrt(away2));
-  return {direction, offset_origin(at, inside ? -normal : normal), false, false,
+  return {direction,
+          offset_origin(at, inside ? -normal : normal),
+          false,
+          false,
           materials_->emission(sphere.material, sphere_uv(normal)),
           sphere_pdf(sphere, p, away2, std::abs(dot(direction, normal)))};
 }

@@ -63,6 +63,7 @@ class Lights {
   void add_punctual(float radius);
   void add_meshes();
   void add_spheres();
+  void balance();
   LightSample sample_mesh(const Light&, const Vec3& p, float pick, const Vec2& u) const;
   LightSample sample_sphere(const Light&, const Vec3& p, const Vec2& u) const;
   LightSample sample_sun(const Light&, const Vec2& u) const;
