@@ -2,14 +2,17 @@
 // tessera: one binary, one table of subcommands.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <exception>
 #include <iostream>
 #include <new>
+#include <vector>
 
 #include "cli/subcommand.h"
 #include "cli/version.h"
 #include "core/error.h"
+#include "core/nearest.h"
 
 namespace tessera {
 namespace {
@@ -22,7 +25,16 @@ constexpr std::array kCommands{
     Subcommand{"schema", "Print the JSON Schema of the native scene format", describe_schema},
 };
 
+void require_known(std::string_view word) {
+  std::vector<std::string_view> names;
+  for (const Subcommand& command : kCommands) names.push_back(command.name);
+  if (word.starts_with('-') || std::find(names.begin(), names.end(), word) != names.end()) return;
+  throw Error(ExitCode::bad_usage,
+              fmt::format("{}; accepted: {}", unknown("subcommand", word, names), listed(names)));
+}
+
 int run(int argc, char** argv) {
+  if (argc > 1) require_known(argv[1]);
   CLI::App app{
       "Renders a frame on many machines, denoises it tile by tile without a seam, and stops when the image "
       "you get is good enough.",

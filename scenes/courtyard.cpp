@@ -99,9 +99,10 @@ class Courtyard {
     m["brass"] = {
         {"type", "metal"}, {"roughness", 0.32}, {"eta", {0.444, 0.527, 1.094}}, {"k", {3.695, 2.765, 1.829}}};
     m["flame"] = {{"color", 0.5}, {"emission", {60, 34, 14}}};
-    m["glass"] = {{"type", "glass"}, {"color", 1}, {"ior", 1.5}};
-    m["green glass"] = {{"type", "glass"}, {"color", {0.55, 0.95, 0.70}}, {"ior", 1.5}};
-    m["amber glass"] = {{"type", "glass"}, {"color", {0.98, 0.72, 0.35}}, {"ior", 1.5}};
+    m["polished brass"] = {
+        {"type", "metal"}, {"roughness", 0.2}, {"eta", {0.444, 0.527, 1.094}}, {"k", {3.695, 2.765, 1.829}}};
+    m["green glaze"] = {{"type", "metallic_roughness"}, {"color", {0.05, 0.35, 0.20}}, {"roughness", 0.15}};
+    m["amber glaze"] = {{"type", "metallic_roughness"}, {"color", {0.60, 0.25, 0.03}}, {"roughness", 0.15}};
   }
 
   void build_ground() {
@@ -253,14 +254,15 @@ class Courtyard {
       place("cypress", at, dice.between(0, 360), dice.between(0.9f, 1.05f));
   }
 
-  // Stands in the shade of the garden wall: sunlight through glass would be all noise.
+  // With a ball of brass and two of glazed clay; the light that glass throws about would take hours to
+  // settle.
   void build_bench() {
     Shape bench = box({5.45f, 0.42f, -3.4f}, {5.95f, 0.5f, 0.0f});
     for (const float z : {-3.2f, -1.8f, -0.4f}) bench.add(box({5.5f, 0, z}, {5.9f, 0.42f, z + 0.2f}));
     mesh("bench", "wood", bench);
-    sphere({5.68f, 0.5f + 0.17f, -1.5f}, 0.17f, "glass");
-    sphere({5.70f, 0.5f + 0.13f, -1.95f}, 0.13f, "green glass");
-    sphere({5.62f, 0.5f + 0.10f, -1.15f}, 0.10f, "amber glass");
+    sphere({5.68f, 0.5f + 0.17f, -1.5f}, 0.17f, "polished brass");
+    sphere({5.70f, 0.5f + 0.13f, -1.95f}, 0.13f, "green glaze");
+    sphere({5.62f, 0.5f + 0.10f, -1.15f}, 0.10f, "amber glaze");
   }
 
   std::filesystem::path folder_;

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program as people meet it: exit codes, messages, files.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <utility>
+
+#include "core/exr.h"
+#include "worker/denoise/device.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+struct Outcome {
+  int code = -1;
+  std::string text;  // stdout and stderr
+};
+
+// Runs the program; calls `each_line` as its lines come, with its process id.
+Outcome run(const std::vector<std::string>& arguments,
+            const std::function<void(pid_t, const std::string&)>& each_line = {}) {
+  int ends[2];
+  if (pipe(ends) != 0) return {};
+  const pid_t child = fork();
+  if (child == 0) {
+    dup2(ends[1], STDOUT_FILENO);
+    dup2(ends[1], STDERR_FILENO);
+    close(ends[0]);
+    std::vector<char*> argv{const_cast<char*>(TESSERA_BINARY)};
+    for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+    argv.push_back(nullptr);
+    execv(TESSERA_BINARY, argv.data());
+    _exit(127);
+  }
+  close(ends[1]);
+  Outcome outcome;
+  std::string line;
+  for (char c = 0; read(ends[0], &c, 1) == 1;) {
+    outcome.text += c;
+    if (c != '\n') {
+      line += c;
+      continue;
+    }
+    if (each_line) each_line(child, line);
+    line.clear();
+  }
+  close(ends[0]);
+  int status = 0;
+  waitpid(child, &status, 0);
+  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return outcome;
+}
+
+class Program : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (list_devices().empty()) GTEST_SKIP() << "no OpenCL device on this machine";
+    folder_ = fs::path(::testing::TempDir()) / ("tessera-cli-" + std::to_string(getpid()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override {
+    if (!folder_.empty()) fs::remove_all(folder_);
+  }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return path(name);
+  }
+  std::size_t files() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+  // A render of a bad scene: exit code 3, `what` in the message, and no file that was not there before.
+  void expect_bad_input(const std::string& scene, const std::string& what) const {
+    const std::size_t before = files();
+    const Outcome outcome = run({"render", scene, "-o", path("out.exr"), "--width", "16", "--height", "16"});
+    EXPECT_EQ(outcome.code, 3) << outcome.text;
+    EXPECT_THAT(outcome.text, HasSubstr(what));
+    EXPECT_EQ(files(), before) << "a failed render leaves nothing behind";
+  }
+
+  const std::string furnace_ = std::string(TESSERA_SOURCE_DIR) + "/scenes/furnace.json";
+  const std::string cornell_ = std::string(TESSERA_SOURCE_DIR) + "/scenes/cornell.json";
+  fs::path folder_;
+};
+
+TEST_F(Program, RendersUntilAcceptedAndWritesLayersAndWhatItKnows) {
+  const Outcome outcome = run({"render", furnace_, "-o", path("f.exr"), "--width", "70", "--height", "66",
+                               "--until", "0.01", "--seed", "5"});
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("accepted: relMSE"));
+  EXPECT_THAT(outcome.text, HasSubstr("Progress: 100.0%"));
+  EXPECT_TRUE(fs::exists(path("f.png")));
+  const ExrImage image = read_exr(path("f.exr"));
+  for (const char* channel : {"R", "A", "noisy.G", "variance.B", "samples.Y", "error.Y", "albedo.R", "N.X",
+                              "Z", "direct.G", "indirect.B", "emission.R"})
+    EXPECT_GE(image.plane(channel), 0) << channel;
+  EXPECT_EQ(image.display, (Region{0, 0, 70, 66}));
+  for (const char* name :
+       {"tessera/version", "tessera/scene", "tessera/samples", "tessera/error", "tessera/filter",
+        "tessera/device", "tessera/seconds", "tessera/relmse", "tessera/relmse_upper"})
+    EXPECT_TRUE(image.metadata.contains(name)) << name;
+  EXPECT_EQ(std::get<std::string>(image.metadata.at("tessera/seed")), "5");
+  EXPECT_EQ(files(), 2u);
+}
+
+TEST_F(Program, AnUnreachableTargetIsExitCode8WithTheImage) {
+  const Outcome outcome = run({"render", cornell_, "-o", path("c.exr"), "--width", "40", "--height", "40",
+                               "--until", "relmse=1e-7", "--samples", "16"});
+  EXPECT_EQ(outcome.code, 8) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("max_samples"));
+  EXPECT_NO_THROW(read_exr(path("c.exr")));
+}
+
+TEST_F(Program, ATimeLimitEndsARenderWithTheImageOfTheLastRound) {
+  const Outcome outcome = run({"render", cornell_, "-o", path("c.exr"), "--width", "128", "--height", "128",
+                               "--until", "1e-9", "--samples", "1048576", "--time", "1"});
+  EXPECT_EQ(outcome.code, 8) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("max_seconds"));
+}
+
+TEST_F(Program, AnInterruptWritesWhatThereIsAndIsExitCode130) {
+  const auto interrupt = [sent = false](pid_t child, const std::string& line) mutable {
+    if (line.find(R"("round":3)") != std::string::npos && !std::exchange(sent, true)) kill(child, SIGINT);
+  };
+  const Outcome outcome = run({"render", cornell_, "-o", path("c.exr"), "--width", "64", "--height", "64",
+                               "--until", "1e-9", "--samples", "1048576", "--progress", "json"},
+                              interrupt);
+  EXPECT_EQ(outcome.code, 130) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("interrupted"));
+  EXPECT_NO_THROW(read_exr(path("c.exr")));
+}
+
+TEST_F(Program, ACropIsADataWindowInTheWholeFrame) {
+  const Outcome outcome =
+      run({"render", furnace_, "-o", path("f.exr"), "--width", "64", "--height", "32", "--crop", "0.25",
+           "0.5", "0.75", "1", "--samples", "8", "--filter", "none", "--quiet"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.text, "");
+  const ExrImage image = read_exr(path("f.exr"));
+  EXPECT_EQ(image.display, (Region{0, 0, 64, 32}));
+  EXPECT_EQ(image.pixels.region(), (Region{16, 16, 48, 32}));
+}
+
+TEST_F(Program, BadScenesAreExitCode3WithPlaceAndReasonAndLeaveNothing) {
+  expect_bad_input(path("none.json"), "none.json");
+  expect_bad_input(write("a.json", "{ \"name\": \n  oops }"), "a.json:2:");
+  expect_bad_input(write("b.json", R"({"camra": {}})"), "camera");
+  expect_bad_input(write("c.json", R"({"spheres": [{"center": [0, 0, 0], "radius": -1}]})"),
+                   "/spheres/0/radius");
+  expect_bad_input(write("d.json", R"({"spheres": [{"center": [0, 0, NaN], "radius": 1}]})"), "d.json:1:");
+  expect_bad_input(write("e.json", R"({"import": [{"file": "gone.obj"}]})"), "gone.obj");
+  expect_bad_input(write("f.glb", "glTF but not really"), "f.glb");
+  expect_bad_input(write("g.obj", "f 1 2 3\n"), "g.obj");
+  expect_bad_input(write("h.txt", "hello"), "h.txt");
+  write("bad.png", "\x89PNG\r\n\x1a\nrubbish");
+  expect_bad_input(write("i.json", R"({"spheres": [{"center": [0, 0, 0], "radius": 1, "material": "m"}],
+      "materials": {"m": {"color_texture": "bad.png"}}})"),
+                   "bad.png");
+}
+
+TEST_F(Program, BadUsageIsExitCode2AndSaysWhatIsAccepted) {
+  const auto expect_usage = [&](std::vector<std::string> arguments, const std::string& accepted) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 2) << outcome.text;
+    EXPECT_THAT(outcome.text, HasSubstr(accepted));
+    EXPECT_EQ(files(), 0u);
+  };
+  const auto render = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"render", furnace_, "-o", path("x.exr")});
+    return more;
+  };
+  expect_usage(render({"--width", "0"}), "1 to 65536");
+  expect_usage(render({"--height", "-3"}), "1 to 65536");
+  expect_usage(render({"--samples", "2000000000"}), "16777216");
+  expect_usage(render({"--until", "gud"}), "draft, good, final");
+  expect_usage(render({"--until", "relmse=nan"}), "above 0");
+  expect_usage(render({"--filter", "svgv"}), "svgf");
+  expect_usage(render({"--filter", "svgf:levels=99"}), "1 to");
+  expect_usage(render({"--tile-size", "12y"}), "WxH");
+  expect_usage(render({"--crop", "0", "0", "2", "1"}), "0 to 1");
+  expect_usage(render({"--aov", "beauty"}), "albedo");
+  expect_usage(render({"--compression", "bzip"}), "zip");
+  expect_usage({"render", furnace_, "-o", path("nowhere/x.exr")}, "nowhere");
+  expect_usage({"render", furnace_, "-o", path("x.jpg")}, ".exr");
+  expect_usage({"rendr"}, "did you mean 'render'?");
+}
+
+TEST_F(Program, AFrameThatCannotFitInMemoryIsExitCode4BeforeAnythingIsRendered) {
+  const Outcome outcome =
+      run({"render", furnace_, "-o", path("x.exr"), "--width", "65536", "--height", "65536"});
+  EXPECT_EQ(outcome.code, 4) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("GiB"));
+}
+
+TEST_F(Program, AnUnknownDeviceIsExitCode5AndAnUnknownCameraIsExitCode3) {
+  EXPECT_EQ(run({"render", furnace_, "-o", path("x.exr"), "--device", "abacus"}).code, 5);
+  EXPECT_EQ(run({"render", furnace_, "-o", path("x.exr"), "--camera", "nobody's"}).code, 3);
+}
+
+TEST_F(Program, EverySubcommandHasHelp) {
+  EXPECT_EQ(run({"--version"}).code, 0);
+  for (const char* command : {"render", "compare", "devices", "filters", "schema"}) {
+    const Outcome outcome = run({command, "--help"});
+    EXPECT_EQ(outcome.code, 0) << command;
+    EXPECT_THAT(outcome.text, HasSubstr(command));
+  }
+}
+
+}  // namespace
+}  // namespace tessera
