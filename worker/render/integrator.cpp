@@ -185,7 +185,8 @@ void Integrator::collect_light(int bounce) {
   scene_.bvh().occluded(shadows_);
   for (int lane = 0; lane < kLanes; ++lane) {
     Path& path = paths_[static_cast<std::size_t>(lane)];
-    if (path.waits && !shadows_.occluded(lane)) (bounce == 0 ? path.direct : path.indirect) += path.unshadowed;
+    if (path.waits && !shadows_.occluded(lane))
+      (bounce == 0 ? path.direct : path.indirect) += path.unshadowed;
     path.waits = false;
   }
 }

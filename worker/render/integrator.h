@@ -32,16 +32,16 @@ class Integrator {
 
  private:
   struct Path {
-    Vec3 origin, direction;   // of the ray in flight
-    Vec3 left;                // the vertex it comes from; the origin is off its surface
-    Color throughput;         // of the path so far
-    float scattered;          // density of `direction`; 0 if a delta
-    float radiance_scale;     // of the refractions in throughput, of which roulette must not know
+    Vec3 origin, direction;  // of the ray in flight
+    Vec3 left;               // the vertex it comes from; the origin is off its surface
+    Color throughput;        // of the path so far
+    float scattered;         // density of `direction`; 0 if a delta
+    float radiance_scale;    // of the refractions in throughput, of which roulette must not know
     Color direct, indirect, emission;
-    Color unshadowed;         // what the shadow ray decides on
+    Color unshadowed;  // what the shadow ray decides on
     Bsdf bsdf;
     Surface surface;
-    bool alive, waits;        // waits: a shadow ray is out
+    bool alive, waits;  // waits: a shadow ray is out
   };
 
   void start(const BlockKeys& block, int sample);

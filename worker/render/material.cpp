@@ -66,7 +66,8 @@ Vec3 Materials::mapped_normal(const Material& m, const Geometry& geometry, const
   return dot(n, n) > 0 ? unit(n) : s.ns;
 }
 
-Bsdf Materials::bsdf(const Geometry& geometry, const Hit& hit, const Surface& s, const Vec3& direction) const {
+Bsdf Materials::bsdf(const Geometry& geometry, const Hit& hit, const Surface& s,
+                     const Vec3& direction) const {
   const Material& m = (*this)[s.material];
   const Vec3 wo = -direction;
   const bool front = dot(wo, s.ng) >= 0;
@@ -78,8 +79,8 @@ Bsdf Materials::bsdf(const Geometry& geometry, const Hit& hit, const Surface& s,
   if (m.kind != Material::Kind::diffuse || dot(wo, ns) <= 0) ns = bent(ns, b.ng, wo);
   b.frame = Frame(ns);
   b.wo = b.frame.to_local(wo);
-  b.color = m.base_color_texture ? m.base_color * rgb(lookup(*scene_, m.base_color_texture, s.uv))
-                                 : m.base_color;
+  b.color =
+      m.base_color_texture ? m.base_color * rgb(lookup(*scene_, m.base_color_texture, s.uv)) : m.base_color;
   if (m.kind == Material::Kind::diffuse) return b;
   float roughness = m.roughness, metallic = m.metallic;
   if (m.metallic_roughness_texture) {

@@ -21,8 +21,8 @@ SampleSums::SampleSums(const FilmLayout& layout) : planes_(static_cast<std::size
     const auto aov = static_cast<Aov>(i);
     if (!layout.aovs().has(aov)) continue;
     for (int c = 0; c < static_cast<int>(info(aov).channels.size()); ++c)
-      terms_.push_back({SampleBlock::channel(aov) + static_cast<std::size_t>(c),
-                        layout.sum(aov, c, Half::a), info(aov).squares ? layout.square(aov, c, Half::a) : -1});
+      terms_.push_back({SampleBlock::channel(aov) + static_cast<std::size_t>(c), layout.sum(aov, c, Half::a),
+                        info(aov).squares ? layout.square(aov, c, Half::a) : -1});
   }
 }
 

@@ -50,9 +50,9 @@ class SampleSums {
 
   std::vector<Term> terms_;  // planes are those of half A; half B's follow
   std::size_t planes_;
-  std::vector<Lane> sums_;    // a stack of finished subtrees, the last one growing
-  std::vector<int> leaves_;   // how many leaves each holds
-  int samples_ = 0;           // in the growing leaf
+  std::vector<Lane> sums_;   // a stack of finished subtrees, the last one growing
+  std::vector<int> leaves_;  // how many leaves each holds
+  int samples_ = 0;          // in the growing leaf
 };
 
 }  // namespace tessera::tracer

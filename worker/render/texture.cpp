@@ -16,10 +16,14 @@ int wrapped(int i, int size, Texture::Wrap wrap) {
 Texel texel(const Picture& p, int x, int y) {
   const float* c = p.pixels.data() + (std::size_t(y) * p.width + x) * p.channels;
   switch (p.channels) {
-    case 1: return {c[0], c[0], c[0], 1};
-    case 2: return {c[0], c[0], c[0], c[1]};
-    case 3: return {c[0], c[1], c[2], 1};
-    default: return {c[0], c[1], c[2], c[3]};
+    case 1:
+      return {c[0], c[0], c[0], 1};
+    case 2:
+      return {c[0], c[0], c[0], c[1]};
+    case 3:
+      return {c[0], c[1], c[2], 1};
+    default:
+      return {c[0], c[1], c[2], c[3]};
   }
 }
 

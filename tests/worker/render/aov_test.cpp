@@ -29,7 +29,8 @@ Means means(const Scene& scene, int bounces = 3, int samples = 16) {
 Scene mixed() {
   Scene scene;
   add_floor(scene, Color(0.5f, 0.4f, 0.3f));
-  const int glossy = add_material(scene, {.kind = Material::Kind::metallic_roughness, .metallic = 0.5f, .roughness = 0.4f});
+  const int glossy =
+      add_material(scene, {.kind = Material::Kind::metallic_roughness, .metallic = 0.5f, .roughness = 0.4f});
   const int lamp = add_material(scene, {.emission = Color(3, 2, 1)});
   scene.spheres.push_back({{0, 1, 0}, 1, glossy});
   scene.spheres.push_back({{2, 1.5f, 0}, 0.5f, lamp});
@@ -50,7 +51,8 @@ TEST(Aov, ColourIsDirectAndIndirectLightAndEmissionInEverySample) {
           const auto sum = [&](Aov a) { return sums.at(layout.sum(a, c, half), x, y); };
           const float whole = sum(Aov::color);
           // Each of the sums is of 4 samples and rounded 4 times.
-          ASSERT_NEAR(whole, sum(Aov::direct) + sum(Aov::indirect) + sum(Aov::emission), 16 * 0x1p-24f * whole);
+          ASSERT_NEAR(whole, sum(Aov::direct) + sum(Aov::indirect) + sum(Aov::emission),
+                      16 * 0x1p-24f * whole);
         }
 }
 
@@ -115,7 +117,8 @@ TEST(Aov, DepthIsMeasuredAlongTheViewAxis) {
 
 TEST(Aov, LightSeenInAMirrorIsDirectAndSurfacesSeenInItAreIndirect) {
   Scene scene;
-  const int mirror = add_material(scene, {.kind = Material::Kind::mirror, .base_color = Color(0.5f, 0.5f, 0.5f)});
+  const int mirror =
+      add_material(scene, {.kind = Material::Kind::mirror, .base_color = Color(0.5f, 0.5f, 0.5f)});
   add_mesh(scene, grid({-5, 0, 5}, {10, 0, 0}, {0, 0, -10}, 1, mirror));
   scene.environment.radiance = Color(1, 1, 1);
   scene.cameras = {camera_at({0, 2, 2}, {0, 0, 0}, 0.05f)};
@@ -149,7 +152,8 @@ TEST(Aov, HolesOfAnAlphaMaskShowWhatIsBehind) {
   Material masked{.base_color = Color(0.9f, 0.1f, 0.1f), .alpha = Material::Alpha::mask};
   masked.base_color_texture = {.picture = 0, .wrap_u = Texture::Wrap::clamp, .wrap_v = Texture::Wrap::clamp};
   add_mesh(scene, grid({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2, add_material(scene, masked)));
-  add_mesh(scene, grid({-9, -9, -3}, {18, 0, 0}, {0, 18, 0}, 1, add_material(scene, {.base_color = Color(0.1f, 0.9f, 0.1f)})));
+  add_mesh(scene, grid({-9, -9, -3}, {18, 0, 0}, {0, 18, 0}, 1,
+                       add_material(scene, {.base_color = Color(0.1f, 0.9f, 0.1f)})));
   scene.points.push_back({{0, 0, 6}, {5, 5, 5}});
   scene.cameras = {camera_at({0, 0, 4}, {0, 0, 0}, 0.3f)};
   const Means m = means(scene);

@@ -24,13 +24,18 @@ struct Case {
 };
 std::vector<Case> rough_cases() {
   const auto glossy = [](float alpha, float share) {
-    Bsdf b{.kind = Material::Kind::metallic_roughness, .color = Color(0.7f, 0.5f, 0.2f), .f0 = Color(0.04f, 0.1f, 0.3f)};
+    Bsdf b{.kind = Material::Kind::metallic_roughness,
+           .color = Color(0.7f, 0.5f, 0.2f),
+           .f0 = Color(0.04f, 0.1f, 0.3f)};
     b.alpha = alpha;
     b.specular_share = share;
     return b;
   };
   const auto metal = [](float alpha) {
-    Bsdf b{.kind = Material::Kind::metal, .color = Color(1, 1, 1), .eta = Color(0.2f, 0.92f, 1.1f), .k = Color(3.9f, 2.45f, 2.14f)};
+    Bsdf b{.kind = Material::Kind::metal,
+           .color = Color(1, 1, 1),
+           .eta = Color(0.2f, 0.92f, 1.1f),
+           .k = Color(3.9f, 2.45f, 2.14f)};
     b.alpha = alpha;
     return b;
   };
@@ -75,7 +80,8 @@ TEST(Bsdf, ASampleCarriesItsValueOverItsDensity) {
         if (!(s.pdf > 0)) continue;
         const BsdfValue v = evaluate(b, s.wi);
         ASSERT_NEAR(v.pdf, s.pdf, 1e-3f * s.pdf) << c.name;
-        for (int k = 0; k < 3; ++k) ASSERT_NEAR(s.weight[k] * s.pdf, v.f[k], 2e-3f * v.f[k] + 1e-6f) << c.name;
+        for (int k = 0; k < 3; ++k)
+          ASSERT_NEAR(s.weight[k] * s.pdf, v.f[k], 2e-3f * v.f[k] + 1e-6f) << c.name;
       }
     }
 }
@@ -128,7 +134,8 @@ TEST(Bsdf, NothingIsScatteredThroughTheSurfaceOrBelowTheGeometry) {
 }
 
 TEST(Bsdf, AMirrorReflectsAllItsColour) {
-  const Bsdf b = seen_from({.kind = Material::Kind::mirror, .delta = true, .color = Color(0.9f, 0.5f, 0.1f)}, 0.6f);
+  const Bsdf b =
+      seen_from({.kind = Material::Kind::mirror, .delta = true, .color = Color(0.9f, 0.5f, 0.1f)}, 0.6f);
   const BsdfSample s = sample(b, 0.5f, {0.1f, 0.2f});
   EXPECT_EQ(s.pdf, 0);
   EXPECT_EQ(s.weight, b.color);
@@ -137,7 +144,8 @@ TEST(Bsdf, AMirrorReflectsAllItsColour) {
 
 TEST(Bsdf, GlassSplitsLightByFresnelAndBendsItBySnell) {
   for (const float ior : {1.5f, 1 / 1.5f}) {
-    const Bsdf b = seen_from({.kind = Material::Kind::glass, .delta = true, .color = Color(1, 0.5f, 0.25f), .ior = ior}, 0.8f);
+    const Bsdf b = seen_from(
+        {.kind = Material::Kind::glass, .delta = true, .color = Color(1, 0.5f, 0.25f), .ior = ior}, 0.8f);
     const float r = dielectric_fresnel(0.8f, ior).reflectance;
     EXPECT_GT(sample(b, r * 0.999f, {}).wi.z, 0);
     const BsdfSample through = sample(b, r * 1.001f, {});
@@ -163,7 +171,8 @@ TEST(Fresnel, ADielectricReflectsAsAtNormalIncidenceAtBrewstersAngleAndGrazing) 
 }
 
 TEST(Fresnel, AConductorAtNormalIncidenceAndWithoutExtinctionIsKnown) {
-  EXPECT_NEAR(conductor_fresnel(1, 0.2f, 3.9f), (square(0.8f) + square(3.9f)) / (square(1.2f) + square(3.9f)), 1e-6f);
+  EXPECT_NEAR(conductor_fresnel(1, 0.2f, 3.9f), (square(0.8f) + square(3.9f)) / (square(1.2f) + square(3.9f)),
+              1e-6f);
   for (const float cosine : {1.0f, 0.7f, 0.3f, 0.05f})
     EXPECT_NEAR(conductor_fresnel(cosine, 1.5f, 0), dielectric_fresnel(cosine, 1.5f).reflectance, 1e-5f);
 }

@@ -59,8 +59,8 @@ inline void expect_follows(const std::vector<Vec2>& points, int drawn, const Den
   const double s = 2.0 / (9.0 * freedom);
   const double bound = freedom * std::pow(1 - s + 4.75 * std::sqrt(s), 3);
   EXPECT_LT(chi2, bound) << what << ": " << freedom << " bins";
-  EXPECT_NEAR(total / drawn, double(points.size()) / drawn,
-              5 / std::sqrt(double(drawn)) * 0.5 + 2e-3) << what << ": the density's integral";
+  EXPECT_NEAR(total / drawn, double(points.size()) / drawn, 5 / std::sqrt(double(drawn)) * 0.5 + 2e-3)
+      << what << ": the density's integral";
 }
 
 // Directions as points of the unit square, by equal area: a density per steradian there is 4 pi times it.
@@ -83,7 +83,10 @@ class Random {
  public:
   explicit Random(unsigned seed) : engine_(seed) {}
   float number() { return static_cast<float>(engine_() >> 8) * 0x1p-24f; }
-  Vec2 pair() { const float x = number(); return {x, number()}; }
+  Vec2 pair() {
+    const float x = number();
+    return {x, number()};
+  }
 
  private:
   std::mt19937 engine_;

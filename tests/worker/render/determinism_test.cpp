@@ -103,7 +103,8 @@ TEST(Render, TheAovsAskedForDoNotChangeTheColour) {
   RenderSettings bare = settings();
   bare.aovs = {Aov::color};
   const auto colors = channels_of(Aov::color);
-  const Image a = developed(render(*scene, bare, 0, kWhole, {0, 8}).sums, FilmLayout(bare.aovs), colors, Part::all);
+  const Image a =
+      developed(render(*scene, bare, 0, kWhole, {0, 8}).sums, FilmLayout(bare.aovs), colors, Part::all);
   const Image b = developed(render(*scene, settings(), 0, kWhole, {0, 8}).sums, FilmLayout(settings().aovs),
                             colors, Part::all);
   EXPECT_TRUE(same_bits(a, b));

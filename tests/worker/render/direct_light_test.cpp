@@ -2,6 +2,8 @@
 // Direct light on a diffuse plane, where the irradiance is known in closed form.
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "tests/worker/render/scenes.h"
 
 namespace tessera {
@@ -20,7 +22,8 @@ Scene floor_scene(const Vec3& at = {0, 0, 0}) {
 }
 
 // The radiance that irradiance `e` makes the floor reflect.
-void expect_irradiance(const Scene& scene, double e, const char* what, double slack = 2e-4, int samples = 64) {
+void expect_irradiance(const Scene& scene, double e, const char* what, double slack = 2e-4,
+                       int samples = 64) {
   const Measured m = measure(scene, 32, samples, 0);
   const double expected = kAlbedo * e / kPi;
   for (int c = 0; c < 3; ++c)
@@ -34,12 +37,15 @@ void add_disc(Scene& scene, float height, float radius, bool double_sided, bool 
   Mesh mesh{.positions = {{0, height, 0}}, .material = material};
   constexpr int kSides = 400;
   for (int i = 0; i < kSides; ++i)
-    mesh.positions.push_back({radius * std::cos(2 * kPi * i / kSides), height, radius * std::sin(2 * kPi * i / kSides)});
+    mesh.positions.push_back(
+        {radius * std::cos(2 * kPi * i / kSides), height, radius * std::sin(2 * kPi * i / kSides)});
   for (std::uint32_t i = 0; i < kSides; ++i) {
     const std::uint32_t a = 1 + i, b = 1 + (i + 1) % kSides;
     // Seen from above, growing angles go clockwise: (centre, a, b) is front down.
-    if (facing_down) mesh.triangles.push_back({0, a, b});
-    else mesh.triangles.push_back({0, b, a});
+    if (facing_down)
+      mesh.triangles.push_back({0, a, b});
+    else
+      mesh.triangles.push_back({0, b, a});
   }
   add_mesh(scene, mesh);
 }
@@ -102,6 +108,27 @@ TEST(DirectLight, ComesFromTheBackOfALightOnlyIfItIsDoubleSided) {
   expect_irradiance(twice, kPi, "back of a double-sided light", 1e-3);
 }
 
+// The differential of a parallel rectangle above one of its corners; Siegel and Howell, configuration B-4.
+double corner_factor(double a, double b, double height) {
+  const double x = a / height, y = b / height, p = std::sqrt(1 + x * x), q = std::sqrt(1 + y * y);
+  return (x / p * std::atan(y / p) + y / q * std::atan(x / q)) / (2 * std::numbers::pi);
+}
+
+TEST(DirectLight, OfARectangleToTheSideComesFromAllOfItsTriangles) {
+  for (const bool others : {false, true}) {
+    Scene scene = floor_scene();
+    const int lamp = add_material(scene, {.base_color = Color(0, 0, 0), .emission = Color(2, 2, 2)});
+    // Over x in [1, 3] and z in [-0.5, 2], at a height of 1.5; uneven triangles.
+    Mesh light = grid({1, 1.5f, -0.5f}, {2, 0, 0}, {0, 0, 2.5f}, 5, lamp);
+    for (Vec3& p : light.positions) p.x = 1 + (p.x - 1) * (p.x - 1) / 2;
+    add_mesh(scene, light);
+    if (others) scene.points.push_back({{-1, 2, 1}, {1, 1, 1}});
+    const auto strip = [](double z) { return corner_factor(3, z, 1.5) - corner_factor(1, z, 1.5); };
+    const double e = 2 * std::numbers::pi * (strip(2) + strip(0.5));
+    expect_irradiance(scene, e + (others ? 2 / std::pow(6, 1.5) : 0), "rectangle", 2e-3, 512);
+  }
+}
+
 TEST(DirectLight, OfAConstantSkyIsPiTimesItsRadiance) {
   Scene scene = floor_scene();
   scene.environment.radiance = Color(0.7f, 0.7f, 0.7f);
@@ -116,7 +143,8 @@ Scene under_picture(Picture picture, float rotation) {
 }
 
 TEST(DirectLight, OfAPictureIsTheIntegralOfThePicture) {
-  expect_irradiance(under_picture({"grey", 8, 4, 3, std::vector<float>(96, 0.35f)}, 1), 0.7 * kPi, "constant");
+  expect_irradiance(under_picture({"grey", 8, 4, 3, std::vector<float>(96, 0.35f)}, 1), 0.7 * kPi,
+                    "constant");
   // A bright patch on a dim sky; the picture is interpolated between the centres of its pixels.
   constexpr int kWidth = 64, kHeight = 32;
   Picture sky{"patch", kWidth, kHeight, 1, std::vector<float>(kWidth * kHeight, 0.05f)};
@@ -130,19 +158,22 @@ TEST(DirectLight, OfAPictureIsTheIntegralOfThePicture) {
     const int y = std::max(0, static_cast<int>(std::floor(row)));
     const double share = std::max(0.0, row - y);
     for (int x = 0; x < kWidth; ++x) {  // a row's mean is that of its pixels
-      const double a = sky.pixels[std::size_t(y * kWidth + x)], b = sky.pixels[std::size_t((y + 1) * kWidth + x)];
-      e += 2 * (a + (b - a) * share) * std::sin(theta) * std::cos(theta) * (kPi / kSteps) * (2 * kPi / kWidth);
+      const double a = sky.pixels[std::size_t(y * kWidth + x)],
+                   b = sky.pixels[std::size_t((y + 1) * kWidth + x)];
+      e +=
+          2 * (a + (b - a) * share) * std::sin(theta) * std::cos(theta) * (kPi / kSteps) * (2 * kPi / kWidth);
     }
   }
-  for (const float rotation : {0.0f, 2.0f}) expect_irradiance(under_picture(sky, rotation), e, "patch", 1e-3, 256);
+  for (const float rotation : {0.0f, 2.0f})
+    expect_irradiance(under_picture(sky, rotation), e, "patch", 1e-3, 256);
 }
 
 TEST(DirectLight, OfManyKindsOfLightAddsUp) {
   Scene scene = floor_scene();
-  scene.points.push_back({{0, 2, 0}, {4, 4, 4}});                         // 1
-  scene.suns.push_back({Vec3(0, -1, 0), {1, 1, 1}, 0.1f});               // 1
+  scene.points.push_back({{0, 2, 0}, {4, 4, 4}});           // 1
+  scene.suns.push_back({Vec3(0, -1, 0), {1, 1, 1}, 0.1f});  // 1
   const int lamp = add_material(scene, {.base_color = Color(0, 0, 0), .emission = Color(2, 2, 2)});
-  scene.spheres.push_back({{1.5f, 2, 0}, 0.5f, lamp});                    // 2 pi 0.25 / 6.25 * 0.8
+  scene.spheres.push_back({{1.5f, 2, 0}, 0.5f, lamp});  // 2 pi 0.25 / 6.25 * 0.8
   scene.environment.radiance = Color(0.2f, 0.2f, 0.2f);
   // The sphere hides its own solid angle of sky.
   const double lamp_e = (2 - 0.2) * kPi * 0.25 / 6.25 * 0.8;

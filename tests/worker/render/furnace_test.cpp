@@ -32,7 +32,8 @@ TEST(Furnace, WhiteDiffuseSurfacesAreInvisible) {
 }
 
 TEST(Furnace, PerfectMirrorsAreInvisible) {
-  const Measured m = measure(furnace({.kind = Material::Kind::mirror, .base_color = Color(1, 1, 1)}), 24, 16, kForever);
+  const Measured m =
+      measure(furnace({.kind = Material::Kind::mirror, .base_color = Color(1, 1, 1)}), 24, 16, kForever);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(m.mean[c], 1, 5 * m.error[c] + 1e-5);
 }
 
@@ -48,11 +49,16 @@ TEST(Furnace, ClearGlassIsInvisible) {
 TEST(Furnace, GlossyAndMetalSurfacesAddNoLight) {
   for (const float roughness : {0.0f, 0.3f, 0.6f, 1.0f}) {
     for (const float metallic : {0.0f, 0.5f, 1.0f}) {
-      const Measured m = measure(furnace({.kind = Material::Kind::metallic_roughness, .base_color = Color(1, 1, 1),
-                                          .metallic = metallic, .roughness = roughness}), 24, 16, 16);
+      const Measured m = measure(furnace({.kind = Material::Kind::metallic_roughness,
+                                          .base_color = Color(1, 1, 1),
+                                          .metallic = metallic,
+                                          .roughness = roughness}),
+                                 24, 16, 16);
       for (int c = 0; c < 3; ++c) EXPECT_LE(m.mean[c], 1 + 5 * m.error[c]) << roughness << " " << metallic;
     }
-    const Measured m = measure(furnace({.kind = Material::Kind::metal, .base_color = Color(1, 1, 1), .roughness = roughness}), 24, 16, 16);
+    const Measured m = measure(
+        furnace({.kind = Material::Kind::metal, .base_color = Color(1, 1, 1), .roughness = roughness}), 24,
+        16, 16);
     for (int c = 0; c < 3; ++c) EXPECT_LE(m.mean[c], 1 + 5 * m.error[c]) << roughness;
   }
 }
@@ -61,7 +67,8 @@ TEST(Furnace, GlossyAndMetalSurfacesAddNoLight) {
 Scene closed_room(float emission, float reflectance) {
   Scene scene;
   add_material(scene, {.base_color = Color(reflectance, reflectance, reflectance),
-                       .emission = Color(emission, emission, emission), .double_sided = false});
+                       .emission = Color(emission, emission, emission),
+                       .double_sided = false});
   const float d = 2;
   add_mesh(scene, grid({-1, -1, 1}, {d, 0, 0}, {0, 0, -d}, 2, 0));
   add_mesh(scene, grid({-1, 1, -1}, {d, 0, 0}, {0, 0, d}, 2, 0));
@@ -78,7 +85,8 @@ TEST(Furnace, AClosedRoomHoldsTheGeometricSeriesOfItsBounces) {
     const Measured m = measure(closed_room(1, 0.5f), 32, 256, bounces);
     double expected = 0;
     for (int n = 0; n <= bounces + 1; ++n) expected += std::pow(0.5, n);
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(m.mean[c], expected, 5 * m.error[c] + 1e-5) << bounces << " bounces";
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(m.mean[c], expected, 5 * m.error[c] + 1e-5) << bounces << " bounces";
   }
 }
 

@@ -61,8 +61,9 @@ TEST(Lights, ASphereIsSampledUniformlyByTheSolidAngleSeenFromOutside) {
   scene.spheres.push_back({{1, 2, 0.5f}, 1.2f, lamp});
   const Vec3 way = scene.spheres[0].center - kPoint;
   const double cosine = std::sqrt(1 - 1.44 / dot(way, way));
-  expect_light(scene, [&](const Vec3& d) { return dot(d, unit(way)) >= cosine ? 1 / (2 * kPi * (1 - cosine)) : 0; },
-               "sphere");
+  expect_light(
+      scene, [&](const Vec3& d) { return dot(d, unit(way)) >= cosine ? 1 / (2 * kPi * (1 - cosine)) : 0; },
+      "sphere");
 }
 
 TEST(Lights, ASphereIsSampledByAreaFromInside) {
@@ -83,7 +84,8 @@ TEST(Lights, ASunIsSampledUniformlyInItsDisc) {
   const Vec3 way = unit(Vec3(0.2f, -1, 0.4f));
   scene.suns.push_back({way, {1, 1, 1}, 1.0f});
   const double cosine = std::cos(0.5);
-  expect_light(scene, [&](const Vec3& d) { return -dot(d, way) >= cosine ? 1 / (2 * kPi * (1 - cosine)) : 0; }, "sun");
+  expect_light(
+      scene, [&](const Vec3& d) { return -dot(d, way) >= cosine ? 1 / (2 * kPi * (1 - cosine)) : 0; }, "sun");
 }
 
 Scene sky(float rotation) {
@@ -99,7 +101,8 @@ Scene sky(float rotation) {
 TEST(Lights, APictureIsSampledByTheDensityItStatesWhichIntegratesToOne) {
   const Scene scene = sky(0.7f);
   const EnvironmentLight light(scene);
-  expect_light(scene, [&](const Vec3& d) { return light.pdf(d); }, "environment");
+  expect_light(
+      scene, [&](const Vec3& d) { return light.pdf(d); }, "environment");
 }
 
 TEST(Lights, ThePictureLiesAroundTheSceneAsDocumented) {
@@ -140,8 +143,12 @@ TEST(Lights, EitherStrategyAloneAndBothTogetherAgree) {
   const Scene scene = sky(0);
   const auto ready = prepared(scene);
   const Lights& lights = ready->lights();
-  Bsdf b{.kind = Material::Kind::metallic_roughness, .frame = Frame(Vec3(0, 1, 0)), .ng = {0, 1, 0},
-         .color = Color(0.5f, 0.5f, 0.5f), .f0 = Color(0.3f, 0.3f, 0.3f), .alpha = 0.2f};
+  Bsdf b{.kind = Material::Kind::metallic_roughness,
+         .frame = Frame(Vec3(0, 1, 0)),
+         .ng = {0, 1, 0},
+         .color = Color(0.5f, 0.5f, 0.5f),
+         .f0 = Color(0.3f, 0.3f, 0.3f),
+         .alpha = 0.2f};
   b.wo = unit(Vec3(0.5f, 0.2f, 0.8f));
   Random random(31);
   constexpr int kMany = 200000;

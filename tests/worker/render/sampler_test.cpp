@@ -91,8 +91,7 @@ TEST(Sampler, HalvesSetsPixelsFramesAndSeedsAreUncorrelated) {
   expect_apart("the next row", [&](int i) { return first(half_key(5, 0, i, 1, 0), 6, 2); });
   expect_apart("the next frame", [&](int i) { return first(half_key(5, 1, i, 0, 0), 6, 2); });
   expect_apart("the next seed", [&](int i) { return first(half_key(6, 0, i, 0, 0), 6, 2); });
-  expect_apart("the other coordinate",
-               [&](int i) { return double(pair(half_key(5, 0, i, 0, 0), 6, 2).y); });
+  expect_apart("the other coordinate", [&](int i) { return double(pair(half_key(5, 0, i, 0, 0), 6, 2).y); });
 }
 
 TEST(Sampler, PixelsSideBySideDrawWhatEachWouldAlone) {

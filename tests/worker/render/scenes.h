@@ -19,8 +19,8 @@ inline Camera camera_at(const Vec3& from, const Vec3& to, float vertical_fov) {
   const Vec3 up = std::abs(back.y) > 0.99f ? Vec3(0, 0, 1) : Vec3(0, 1, 0);
   const Vec3 right = up.cross(back).normalized(), above = back.cross(right);
   Camera camera;
-  camera.to_world = Matrix(right.x, right.y, right.z, 0, above.x, above.y, above.z, 0, back.x, back.y, back.z, 0,
-                           from.x, from.y, from.z, 1);
+  camera.to_world = Matrix(right.x, right.y, right.z, 0, above.x, above.y, above.z, 0, back.x, back.y, back.z,
+                           0, from.x, from.y, from.z, 1);
   camera.vertical_fov = vertical_fov;
   return camera;
 }

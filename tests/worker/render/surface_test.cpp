@@ -88,8 +88,10 @@ TEST(Bvh, InstancesLookLikeTheMeshesTheyStandFor) {
     add_floor(scene, Color(0.5f, 0.5f, 0.5f));
     const int red = add_material(scene, {.base_color = Color(0.8f, 0.2f, 0.2f)});
     add_mesh(scene, tent(red));
-    if (shared) scene.instances.push_back({1, placed});
-    else add_mesh(scene, tent(red), placed);
+    if (shared)
+      scene.instances.push_back({1, placed});
+    else
+      add_mesh(scene, tent(red), placed);
     scene.suns.push_back({Vec3(0.6f, -0.8f, 0), {2, 2, 2}, 0.01f});
     scene.environment.radiance = Color(0.3f, 0.4f, 0.5f);
     scene.cameras = {camera_at({1, 3, 5}, {1, 0, 0}, 0.8f)};
@@ -163,7 +165,8 @@ TEST(Material, AShadingNormalIsBentSoThatMirrorDirectionsStayAboveTheSurface) {
     Painted painted(m);
     const Vec2 u = random.pair(), v = random.pair();
     const Vec3 n = from_square(u.x, 0.5 + 0.5 * u.y);
-    painted.scene.pictures.push_back({"lean", 1, 1, 3, {0.5f + 0.5f * n.x, 0.5f + 0.5f * n.y, 0.5f + 0.5f * n.z}});
+    painted.scene.pictures.push_back(
+        {"lean", 1, 1, 3, {0.5f + 0.5f * n.x, 0.5f + 0.5f * n.y, 0.5f + 0.5f * n.z}});
     const Bsdf b = painted.bsdf(from_square(v.x, 0.505 + 0.49 * v.y));
     const Vec3 mirrored = b.frame.to_world({-b.wo.x, -b.wo.y, b.wo.z});
     EXPECT_GT(b.wo.z, 0);
@@ -172,7 +175,10 @@ TEST(Material, AShadingNormalIsBentSoThatMirrorDirectionsStayAboveTheSurface) {
 }
 
 TEST(Material, RoughnessAndMetalnessComeFromGreenAndBlue) {
-  Material m{.kind = Material::Kind::metallic_roughness, .base_color = Color(0.5f, 0.4f, 0.3f), .metallic = 1, .roughness = 0.5f};
+  Material m{.kind = Material::Kind::metallic_roughness,
+             .base_color = Color(0.5f, 0.4f, 0.3f),
+             .metallic = 1,
+             .roughness = 0.5f};
   m.metallic_roughness_texture = {.picture = 0};
   Painted painted(m);
   painted.scene.pictures.push_back({"orm", 1, 1, 3, {0, 0.5f, 1}});
@@ -212,7 +218,8 @@ TEST(Camera, AnUnknownNameIsAnsweredWithTheNamesThereAre) {
     camera_of(scene, "middle");
     FAIL();
   } catch (const std::exception& e) {
-    EXPECT_THAT(e.what(), ::testing::AllOf(::testing::HasSubstr("middle"), ::testing::HasSubstr("left, right")));
+    EXPECT_THAT(e.what(),
+                ::testing::AllOf(::testing::HasSubstr("middle"), ::testing::HasSubstr("left, right")));
   }
 }
 

@@ -25,8 +25,8 @@ double in_disc(double x, double y) {
 }
 
 TEST(Warp, TheDiscIsUniform) {
-  expect_follows(drawn([](const Vec2& u) { return disc(u) * 0.5f + Vec2(0.5f, 0.5f); }), kTries, in_disc, "disc",
-                 16, 200);
+  expect_follows(drawn([](const Vec2& u) { return disc(u) * 0.5f + Vec2(0.5f, 0.5f); }), kTries, in_disc,
+                 "disc", 16, 200);
 }
 
 TEST(Warp, TheLensIsUniformAndItsRaysMeetAtTheFocus) {
@@ -51,8 +51,9 @@ TEST(Warp, TheLensIsUniformAndItsRaysMeetAtTheFocus) {
 TEST(Warp, CosineConesAndTrianglesFollowTheirDensities) {
   expect_follows(drawn([](const Vec2& u) { return on_square(cosine_hemisphere(u)); }), kTries,
                  on_sphere([](const Vec3& d) { return std::max(0.0, d.z / std::numbers::pi); }), "cosine");
-  expect_follows(drawn([](const Vec2& u) { return on_square(cone(u, 2)); }), kTries, [](double, double) { return 1.0; },
-                 "sphere");
+  expect_follows(
+      drawn([](const Vec2& u) { return on_square(cone(u, 2)); }), kTries, [](double, double) { return 1.0; },
+      "sphere");
   for (const float versine : {1e-6f, 0.01f, 0.5f, 1.7f}) {
     // In the cone's own measure: height and longitude are uniform.
     const auto point = [&](const Vec2& u) {
@@ -61,10 +62,12 @@ TEST(Warp, CosineConesAndTrianglesFollowTheirDensities) {
       const float height = d.z > 0 ? sin2 / (1 + d.z) : 1 - d.z;
       return Vec2(on_square(d).x, height / versine);
     };
-    expect_follows(drawn(point), kTries, [](double, double) { return 1.0; }, "cone");
+    expect_follows(
+        drawn(point), kTries, [](double, double) { return 1.0; }, "cone");
   }
-  expect_follows(drawn([](const Vec2& u) { return triangle(u); }), kTries,
-                 [](double x, double y) { return x + y <= 1 ? 2.0 : 0.0; }, "triangle", 16, 100);
+  expect_follows(
+      drawn([](const Vec2& u) { return triangle(u); }), kTries,
+      [](double x, double y) { return x + y <= 1 ? 2.0 : 0.0; }, "triangle", 16, 100);
 }
 
 TEST(Warp, SineAndCosineAreThoseOfTheLibrary) {
@@ -83,7 +86,8 @@ TEST(Distribution, PicksInProportionAndHandsOnAUniformNumber) {
     EXPECT_FLOAT_EQ(d.probability(index), weights[index] / 12);
     return Vec2((static_cast<float>(index) + 0.5f) / 6, share);
   });
-  expect_follows(points, kTries, [&](double x, double) { return weights[std::size_t(x * 6)] / 12 * 6; }, "pick", 6, 12);
+  expect_follows(
+      points, kTries, [&](double x, double) { return weights[std::size_t(x * 6)] / 12 * 6; }, "pick", 6, 12);
 }
 
 TEST(Distribution, WithoutAnyWeightEveryIndexIsAsLikely) {

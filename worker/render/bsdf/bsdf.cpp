@@ -38,10 +38,14 @@ BsdfValue metal_value(const Bsdf& b, const Vec3& wi) {
 // wi local; both directions above the surface.
 BsdfValue value(const Bsdf& b, const Vec3& wi) {
   switch (b.kind) {
-    case Material::Kind::diffuse: return {b.color * (wi.z * kInvPi), wi.z * kInvPi};
-    case Material::Kind::metal: return metal_value(b, wi);
-    case Material::Kind::metallic_roughness: return metallic_roughness_value(b, wi);
-    default: return {};
+    case Material::Kind::diffuse:
+      return {b.color * (wi.z * kInvPi), wi.z * kInvPi};
+    case Material::Kind::metal:
+      return metal_value(b, wi);
+    case Material::Kind::metallic_roughness:
+      return metallic_roughness_value(b, wi);
+    default:
+      return {};
   }
 }
 
@@ -97,12 +101,14 @@ Color albedo(const Bsdf& b) {
       const float r = dielectric_fresnel(b.wo.z, b.ior).reflectance;
       return Color(r, r, r) + b.color * (1.0f - r);
     }
-    case Material::Kind::metal: return b.color * conductor_fresnel(b.wo.z, b.eta, b.k);
+    case Material::Kind::metal:
+      return b.color * conductor_fresnel(b.wo.z, b.eta, b.k);
     case Material::Kind::metallic_roughness: {
       const Color white(1, 1, 1), specular = schlick(b.wo.z, b.f0);
       return specular + b.color * (white - b.f0) * (white - specular);
     }
-    default: return b.color;
+    default:
+      return b.color;
   }
 }
 

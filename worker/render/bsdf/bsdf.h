@@ -20,7 +20,7 @@ struct Bsdf {
   Color f0;            // of metallic_roughness: specular reflectance at normal incidence
   Color eta, k;        // of metal
   float alpha = 1;
-  float ior = 1.5f;            // of glass: index beyond over index on this side
+  float ior = 1.5f;             // of glass: index beyond over index on this side
   float specular_share = 0.5f;  // of metallic_roughness: probability that a sample is of the specular lobe
 };
 

@@ -20,8 +20,8 @@ inline float smith_lambda(const Vec3& w, float alpha) {
   return 0.5f * (std::sqrt(1.0f + alpha * alpha * tan2) - 1.0f);
 }
 
-// A normal visible from `wo`; Heitz 2018, "Sampling the GGX Distribution of Visible Normals", by the spherical
-// caps of Dupuy and Benyoub 2023, which have the same density.
+// A normal visible from `wo`; Heitz 2018, "Sampling the GGX Distribution of Visible Normals", by the
+// spherical caps of Dupuy and Benyoub 2023, which have the same density.
 inline Vec3 visible_normal(const Vec3& wo, float alpha, const Vec2& u) {
   const Vec3 stretched = unit({alpha * wo.x, alpha * wo.y, wo.z});
   // Uniform over the cap z in (-stretched.z, 1]: a "cone" of versine 1 + z.

@@ -72,7 +72,8 @@ EnvironmentLight::Direction EnvironmentLight::sample(const Vec2& u) const {
   const float phi = 2 * kPi * ((static_cast<float>(column.index) + column.share) / width - 0.5f);
   const float sine = std::sin(theta);
   const float x = sine * std::sin(phi), z = -sine * std::cos(phi);
-  const float density = rows_.probability(row.index) * height * columns_[row.index].probability(column.index) * width;
+  const float density =
+      rows_.probability(row.index) * height * columns_[row.index].probability(column.index) * width;
   return {{cos_ * x + sin_ * z, std::cos(theta), cos_ * z - sin_ * x},
           sine > 0 ? density / (2 * kPi * kPi * sine) : 0.0f};
 }

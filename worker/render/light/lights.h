@@ -12,12 +12,12 @@ namespace tessera::tracer {
 
 // A way to a light. Radiance is unshadowed; of a delta light it is irradiance on a surface facing it.
 struct LightSample {
-  Vec3 direction;      // unit, towards the light
-  Vec3 target;         // where a shadow ray ends; just before the light's surface
-  bool infinite;       // no target: the shadow ray has no end
-  bool delta;          // no other strategy can find this direction
+  Vec3 direction;  // unit, towards the light
+  Vec3 target;     // where a shadow ray ends; just before the light's surface
+  bool infinite;   // no target: the shadow ray has no end
+  bool delta;      // no other strategy can find this direction
   Color radiance{0, 0, 0};
-  float pdf = 0;       // per steradian, or a probability if delta; 0: no sample
+  float pdf = 0;  // per steradian, or a probability if delta; 0: no sample
 };
 
 class Lights {
@@ -53,8 +53,8 @@ class Lights {
     float area;
   };
   struct Sun {
-    Frame frame;     // z: towards the sun
-    float versine;   // 1 - cos(half angle)
+    Frame frame;    // z: towards the sun
+    float versine;  // 1 - cos(half angle)
     Color radiance;
     float probability;  // of being picked
   };
@@ -81,7 +81,7 @@ class Lights {
   std::vector<float> powers_;
   Distribution picks_;
   std::vector<EmittingMesh> meshes_;
-  std::vector<Sun> suns_;  // those with an extent
+  std::vector<Sun> suns_;    // those with an extent
   std::vector<int> sun_at_;  // parallel to Scene::suns: index into suns_, or -1
   int environment_pick_ = -1;
   bool surfaces_emit_ = false;
