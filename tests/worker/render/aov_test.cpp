@@ -132,6 +132,19 @@ TEST(Aov, LightSeenInAMirrorIsDirectAndSurfacesSeenInItAreIndirect) {
   EXPECT_GT(wall.at(Aov::indirect, 9, 9).x, 0.1f);
 }
 
+TEST(Aov, DirectLightDoesNotDependOnHowManyBouncesFollow) {
+  Scene scene;
+  add_floor(scene, Color(0.5f, 0.4f, 0.3f));
+  scene.spheres.push_back({{0, 1, 0}, 1, 0});
+  scene.environment.radiance = Color(0.3f, 0.4f, 0.5f);
+  scene.cameras = {camera_at({1, 2, 6}, {1, 1, 0}, 0.9f)};
+  const Measured none = measure(scene, kEdge, 16, 0, Aov::direct);
+  for (const int bounces : {1, 2, 4}) {
+    const Measured some = measure(scene, kEdge, 16, bounces, Aov::direct);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(some.mean[c], none.mean[c], 1e-5) << bounces;
+  }
+}
+
 TEST(Aov, MaxBouncesCountsTheScatteringsAfterTheFirstHit) {
   Scene scene = mixed();
   scene.cameras = {camera_at({-5, 3, 0}, {-5, 0, -3}, 0.01f)};
