@@ -7,6 +7,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <mutex>
 
 #include "cli/local_farm.h"
 #include "cli/render_options.h"
@@ -71,15 +72,12 @@ void write(const RenderOptions& o, const fs::path& file, const Job& job, const J
   write_png(fs::path(file).replace_extension(".png"), report.image.filtered, static_cast<float>(o.exposure));
 }
 
-int exit_code(const JobReport& report) {
-  switch (report.image.stop.value_or(StopReason::interrupted)) {
-    case StopReason::accepted:
-      return static_cast<int>(ExitCode::done);
-    case StopReason::interrupted:
-      return static_cast<int>(ExitCode::interrupted);
-    default:
-      return static_cast<int>(ExitCode::stopped_at_limit);
-  }
+int exit_code(const Job& job, const JobReport& report) {
+  const StopReason why = report.image.stop.value_or(StopReason::interrupted);
+  if (why == StopReason::interrupted) return static_cast<int>(ExitCode::interrupted);
+  // Without a target there is nothing to fall short of.
+  const bool done = why == StopReason::accepted || !job.acceptance.relmse;
+  return static_cast<int>(done ? ExitCode::done : ExitCode::stopped_at_limit);
 }
 
 void summarise(const Job& job, const JobReport& report, const fs::path& file) {
@@ -90,6 +88,44 @@ void summarise(const Job& job, const JobReport& report, const fs::path& file) {
   if (report.dropped > 0) fmt::print("{} samples were not finite and were dropped\n", report.dropped);
 }
 
+// What signals act on: nothing that is worth writing yet, a frame under way, or files being written.
+class UnderWay {
+ public:
+  void begins(Coordinator& coordinator) {
+    const std::lock_guard lock(mutex_);
+    coordinator_ = &coordinator;
+    begun_ = true;
+  }
+  void ends() {
+    const std::lock_guard lock(mutex_);
+    coordinator_ = nullptr;
+  }
+  void hear(int signal) {
+    const std::lock_guard lock(mutex_);
+    if (!begun_ && signal != SIGUSR1) _exit(static_cast<int>(ExitCode::interrupted));
+    if (coordinator_ == nullptr) return;
+    signal == SIGUSR1 ? coordinator_->request_snapshot() : coordinator_->interrupt();
+  }
+
+ private:
+  std::mutex mutex_;
+  Coordinator* coordinator_ = nullptr;  // borrowed between begins() and ends()
+  bool begun_ = false;
+};
+
+// The frame, by a farm in this process.
+JobReport run(const RenderOptions& o, const Job& job, LocalFarm& farm, UnderWay& under_way) {
+  const ProgressStyle style = progress_style(o);
+  ProgressDisplay display(style, style == ProgressStyle::bar ? stderr : stdout);
+  const JobWatcher watcher{
+      .progress = [&](const Progress& p) { display.show(p); },
+      .snapshot = [&](const JobReport& now) { write(o, output_file(o), job, now, farm.device_class()); }};
+  under_way.begins(farm.coordinator());
+  JobReport report = farm.coordinator().run(job, watcher);
+  under_way.ends();
+  return report;
+}
+
 int render_scene(const RenderOptions& o) {
   set_up_log(o);
   if (o.scene.empty())
@@ -98,32 +134,20 @@ int render_scene(const RenderOptions& o) {
   const fs::path file = output_file(o);
   require_memory(job);
 
-  Coordinator* coordinator = nullptr;
-  Signals signals([&](int signal) {
-    if (coordinator == nullptr) _exit(static_cast<int>(ExitCode::interrupted));
-    signal == SIGUSR1 ? coordinator->request_snapshot() : coordinator->interrupt();
-  });
+  UnderWay under_way;
+  const Signals signals([&](int signal) { under_way.hear(signal); });
   const auto scene = std::make_shared<const Scene>(load_scene(o.scene));
-  for (const std::string& warning : scene->warnings) spdlog::warn("{}: {}", o.scene, warning);
+  for (const std::string& warning : scene->warnings) spdlog::warn("{}", warning);
   camera_index(*scene, o.camera);
   job.scene.hash = content_hash(*scene);
 
-  LocalFarm farm(scene, o.threads > 0 ? o.threads : usable_threads(),
-                 o.device);
-  coordinator = &farm.coordinator();
-  const ProgressStyle style = progress_style(o);
-  JobReport report;
-  {
-    ProgressDisplay display(style, style == ProgressStyle::bar ? stderr : stdout);
-    report = farm.coordinator().run(
-        job, {.progress = [&](const Progress& p) { display.show(p); },
-              .snapshot = [&](const JobReport& now) { write(o, file, job, now, farm.device_class()); }});
-  }
+  LocalFarm farm(scene, o.threads > 0 ? o.threads : usable_threads(), o.device);
+  const JobReport report = run(o, job, farm, under_way);
   if (report.failure)
     throw Error(report.bad_input ? ExitCode::bad_input : ExitCode::job_failed, *report.failure);
   write(o, file, job, report, farm.device_class());
   if (!o.quiet) summarise(job, report, file);
-  return job.acceptance.relmse || report.image.stop != StopReason::max_samples ? exit_code(report) : 0;
+  return exit_code(job, report);
 }
 
 }  // namespace

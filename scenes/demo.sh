@@ -10,8 +10,8 @@ shift
 mkdir -p out
 
 "$generate" out/demo_scene
-echo "demo: rendering until every part of the image has a relative error (relMSE) of at most 0.01"
-"$tessera" render out/demo_scene/courtyard.json -o out/demo.exr --until draft "$@"
+echo "demo: rendering until every part of the image has a relative error (relMSE) of at most 0.006"
+"$tessera" render out/demo_scene/courtyard.json -o out/demo.exr --until relmse=0.006 "$@"
 
 if [ -f scenes/demo_reference.exr ]; then
   echo "demo: against a reference of 1024 samples per pixel without a filter:"
