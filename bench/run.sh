@@ -6,8 +6,11 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 folder=$1/bench
 shift
+shopt -s nullglob
+programs=("$folder"/*_bench)
+if [ ${#programs[@]} -eq 0 ]; then echo "bench: $folder has no benchmarks (sanitizer builds have none)" >&2; exit 1; fi
 lscpu | grep -E '^(Model name|CPU\(s\)|L3)' || true
-for program in "$folder"/*_bench; do
+for program in "${programs[@]}"; do
   name=$(basename "$program")
   wanted=$([ $# -eq 0 ] && echo yes || echo no)
   for w in "$@"; do [[ $name == *"$w"* ]] && wanted=yes; done

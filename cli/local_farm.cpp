@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/local_farm.h"
 
+#include <fmt/format.h>
 #include <sched.h>
 #include <spdlog/spdlog.h>
 
@@ -36,6 +37,15 @@ int granted_by(const char* variable) {
   return n > 0 ? n : 1 << 16;
 }
 
+// Mail that is no message would be a bug here, where nobody else speaks.
+ZmqOptions loud(const char* end) {
+  ZmqOptions options;
+  options.on_dropped = [end](std::string_view why) {
+    spdlog::error("{}: a message was dropped: {}", end, why);
+  };
+  return options;
+}
+
 }  // namespace
 
 int usable_threads() {
@@ -44,17 +54,27 @@ int usable_threads() {
 }
 
 LocalFarm::LocalFarm(std::shared_ptr<const Scene> scene, int threads, const std::string& device)
-    : router_(context_, {kEndpoint}),
+    : router_(context_, {kEndpoint}, loud("coordinator")),
       coordinator_(router_, {}),
       device_class_(tessera::device_class(std::string(kVersion), Device::open(device)->info())),
       runner_(make_task_runner(scene_in_hand(std::move(scene)), {.device = device})),
-      dealer_(context_, kEndpoint, "local"),
+      dealer_(context_, kEndpoint, "local", loud("worker")),
       worker_({.slots = threads, .version = std::string(kVersion), .device_class = device_class_}, dealer_,
               *runner_),
-      thread_([this] {
-        const WorkerEnd end = worker_.run();
-        if (end.why != Farewell::asked) spdlog::error("worker ended: {}", end.reason);
-      }) {}
+      thread_([this] { work(); }) {}
+
+// A farm without its only worker would wait for ever.
+void LocalFarm::work() {
+  std::string why = "the worker ended";
+  try {
+    const WorkerEnd end = worker_.run();
+    if (end.why == Farewell::asked) return;
+    why += fmt::format(": {}", end.reason);
+  } catch (const std::exception& e) {
+    why += fmt::format(": {}", e.what());
+  }
+  coordinator_.fail(why);
+}
 
 LocalFarm::~LocalFarm() {
   worker_.stop();

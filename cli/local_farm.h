@@ -23,6 +23,8 @@ class LocalFarm {
   const std::string& device_class() const { return device_class_; }
 
  private:
+  void work();
+
   ZmqContext context_;
   ZmqRouter router_;
   Coordinator coordinator_;

@@ -2,6 +2,7 @@
 #include "cli/progress_display.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +11,11 @@ namespace tessera {
 namespace {
 
 constexpr double kMostSilence = 30.0, kBarInterval = 0.1;
+
+int columns_of(std::FILE* file) {
+  winsize size{};
+  return ioctl(fileno(file), TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 100;
+}
 
 std::string duration(double seconds) {
   const long s = std::lround(std::min(seconds, 359999.0));
@@ -41,7 +47,7 @@ std::string json(const Progress& p) {
   std::string text = fmt::format(
       R"({{"progress":{:.5f},"round":{},"samples":{},"tiles_done":{},"tiles":{},"acceptable_share":{:.4f},"seconds":{:.3f})",
       p.fraction, p.round, p.samples_done, p.tiles_done, p.tiles_round, p.acceptable_share, p.seconds);
-  if (p.error) text += fmt::format(R"(,"relmse":{:.6g})", *p.error);
+  if (p.error && std::isfinite(*p.error)) text += fmt::format(R"(,"relmse":{:.6g})", *p.error);
   if (p.target) text += fmt::format(R"(,"target":{:.6g})", *p.target);
   if (p.seconds_left) text += fmt::format(R"(,"seconds_left":{:.1f})", *p.seconds_left);
   return text + "}";
@@ -83,7 +89,8 @@ void ProgressDisplay::show(const Progress& now) {
   highest_ = p.fraction = std::max(p.fraction, highest_);
   if (!due(p)) return;
   const bool in_place = style_ == ProgressStyle::bar;
-  fmt::print(file_, "{}{}{}", in_place ? "\r\x1b[K" : "", progress_text(style_, p), in_place ? "" : "\n");
+  fmt::print(file_, "{}{}{}", in_place ? "\r\x1b[K" : "", progress_text(style_, p, columns_of(file_)),
+             in_place ? "" : "\n");
   std::fflush(file_);
   shown_ = p;
 }

@@ -50,6 +50,8 @@ fs::path output_file(const RenderOptions& o) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
   if (!fs::is_directory(folder))
     throw Error(ExitCode::bad_usage, fmt::format("--output: there is no folder '{}'", folder.string()));
+  if (access(folder.c_str(), W_OK) != 0)
+    throw Error(ExitCode::bad_usage, fmt::format("--output: cannot write into '{}'", folder.string()));
   return file;
 }
 
@@ -91,15 +93,24 @@ void summarise(const Job& job, const JobReport& report, const fs::path& file) {
 // What signals act on: nothing that is worth writing yet, a frame under way, or files being written.
 class UnderWay {
  public:
-  void begins(Coordinator& coordinator) {
-    const std::lock_guard lock(mutex_);
-    coordinator_ = &coordinator;
-    begun_ = true;
-  }
-  void ends() {
-    const std::lock_guard lock(mutex_);
-    coordinator_ = nullptr;
-  }
+  // While it lives, signals reach `coordinator`.
+  class Watch {
+   public:
+    Watch(UnderWay& under_way, Coordinator& coordinator) : under_way_(under_way) {
+      const std::lock_guard lock(under_way_.mutex_);
+      under_way_.coordinator_ = &coordinator;
+      under_way_.begun_ = true;
+    }
+    ~Watch() {
+      const std::lock_guard lock(under_way_.mutex_);
+      under_way_.coordinator_ = nullptr;
+    }
+    Watch(const Watch&) = delete;
+
+   private:
+    UnderWay& under_way_;
+  };
+
   void hear(int signal) {
     const std::lock_guard lock(mutex_);
     if (!begun_ && signal != SIGUSR1) _exit(static_cast<int>(ExitCode::interrupted));
@@ -109,21 +120,40 @@ class UnderWay {
 
  private:
   std::mutex mutex_;
-  Coordinator* coordinator_ = nullptr;  // borrowed between begins() and ends()
+  Coordinator* coordinator_ = nullptr;  // borrowed while there is a Watch
   bool begun_ = false;
 };
+
+// What the scene was made from is not to be written over.
+void require_foreign(const fs::path& file, const RenderOptions& o, const Scene& scene) {
+  std::vector<fs::path> sources{o.scene};
+  for (const Picture& picture : scene.pictures) sources.emplace_back(picture.name);
+  for (const char* extension : {".exr", ".png"})
+    for (const fs::path& source : sources) {
+      const fs::path target = fs::path(file).replace_extension(extension);
+      std::error_code none;
+      if (fs::equivalent(target, source, none))
+        throw Error(ExitCode::bad_usage,
+                    fmt::format("--output: '{}' is a file of the scene itself", target.string()));
+    }
+}
 
 // The frame, by a farm in this process.
 JobReport run(const RenderOptions& o, const Job& job, LocalFarm& farm, UnderWay& under_way) {
   const ProgressStyle style = progress_style(o);
   ProgressDisplay display(style, style == ProgressStyle::bar ? stderr : stdout);
-  const JobWatcher watcher{
-      .progress = [&](const Progress& p) { display.show(p); },
-      .snapshot = [&](const JobReport& now) { write(o, output_file(o), job, now, farm.device_class()); }};
-  under_way.begins(farm.coordinator());
-  JobReport report = farm.coordinator().run(job, watcher);
-  under_way.ends();
-  return report;
+  const JobWatcher watcher{.progress = [&](const Progress& p) { display.show(p); },
+                           .interval = Millis{50},
+                           .snapshot =
+                               [&](const JobReport& now) {
+                                 try {
+                                   write(o, output_file(o), job, now, farm.device_class());
+                                 } catch (const Error& e) {
+                                   spdlog::error("no snapshot: {}", e.what());  // the frame goes on
+                                 }
+                               }};
+  const UnderWay::Watch watch(under_way, farm.coordinator());
+  return farm.coordinator().run(job, watcher);
 }
 
 int render_scene(const RenderOptions& o) {
@@ -139,9 +169,10 @@ int render_scene(const RenderOptions& o) {
   const auto scene = std::make_shared<const Scene>(load_scene(o.scene));
   for (const std::string& warning : scene->warnings) spdlog::warn("{}", warning);
   camera_index(*scene, o.camera);
+  require_foreign(file, o, *scene);
   job.scene.hash = content_hash(*scene);
 
-  LocalFarm farm(scene, o.threads > 0 ? o.threads : usable_threads(), o.device);
+  LocalFarm farm(scene, o.threads.value_or(usable_threads()), o.device);
   const JobReport report = run(o, job, farm, under_way);
   if (report.failure)
     throw Error(report.bad_input ? ExitCode::bad_input : ExitCode::job_failed, *report.failure);

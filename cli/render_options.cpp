@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::array<std::pair<std::string_view, double>, 3> kTargets{
     {{"draft", 1e-2}, {"good", 2.5e-3}, {"final", 5e-4}}};
+constexpr int kMostThreads = 1024;
 constexpr std::array kProgress{"auto", "bar", "lines", "json", "openjd", "none"};
 constexpr std::array kLevels{"debug", "info", "warning", "error"};
 
@@ -131,7 +132,9 @@ void describe(CLI::App& app, RenderOptions& o) {
       ->check(CLI::IsMember(exr_compressions()))
       ->envname("TESSERA_COMPRESSION")
       ->capture_default_str();
-  app.add_option("--exposure", o.exposure, "Stops, of the PNG preview only")->capture_default_str();
+  app.add_option("--exposure", o.exposure, "Stops, of the PNG preview only")
+      ->check(CLI::Range(-100.0, 100.0))
+      ->capture_default_str();
   app.add_option("--progress", o.progress, "How to show it")
       ->check(CLI::IsMember(std::vector<std::string>(kProgress.begin(), kProgress.end())))
       ->envname("TESSERA_PROGRESS")
@@ -157,13 +160,15 @@ Job job_of(const RenderOptions& o) {
   const auto tile = parse_tile_size(o.tile_size);
   if (!tile) refuse("--tile-size", o.tile_size, fmt::format("N or WxH, each 1 to {}", kMaxEdge));
   job.tile = *tile;
-  if (!o.until.empty() || (o.samples == 0 && o.seconds == 0))
+  if (!o.until.empty() || (!o.samples && !o.seconds))
     job.acceptance.relmse = parse_target(o.until.empty() ? "good" : o.until);
-  if (o.samples != 0) job.acceptance.max_samples = most_samples(o.samples);
+  if (o.samples) job.acceptance.max_samples = most_samples(*o.samples);
   job.acceptance.first_samples = std::min(job.acceptance.first_samples, job.acceptance.max_samples);
-  if (o.seconds < 0 || !std::isfinite(o.seconds))
-    refuse("--time", fmt::format("{}", o.seconds), "seconds above 0");
-  if (o.seconds > 0) job.acceptance.max_seconds = o.seconds;
+  if (o.seconds && !(*o.seconds > 0 && std::isfinite(*o.seconds)))
+    refuse("--time", fmt::format("{}", *o.seconds), "seconds above 0");
+  job.acceptance.max_seconds = o.seconds;
+  if (o.threads && (*o.threads < 1 || *o.threads > kMostThreads))
+    refuse("--threads", std::to_string(*o.threads), fmt::format("1 to {}", kMostThreads));
   try {
     if (!o.crop.empty() && o.width > 0 && o.height > 0) job.crop = crop_region(o.crop, job.render.size);
     validate(job);

@@ -15,10 +15,10 @@ namespace tessera {
 
 struct RenderOptions {
   std::string scene;
-  std::string output;  // .exr; a .png preview is written beside it
-  std::string until;   // "relmse=X", a number, or draft | good | final; empty: samples alone
-  int samples = 0;     // most per pixel; 0: the rule's own
-  double seconds = 0;  // 0: no limit
+  std::string output;             // .exr; a .png preview is written beside it
+  std::string until;              // "relmse=X", a number, or draft | good | final; empty: samples alone
+  std::optional<int> samples;     // most per pixel
+  std::optional<double> seconds;  // of wall time
   std::string filter = "svgf";
   int width = 960, height = 540;
   std::vector<double> crop;  // x0 y0 x1 y1, 0..1 from the top left
@@ -26,7 +26,7 @@ struct RenderOptions {
   std::uint64_t seed = 0;
   int frame = 0;
   int max_bounces = 8;
-  int threads = 0;  // 0: what this process may use
+  std::optional<int> threads;  // none: what this process may use
   std::string tile_size = "256";
   std::vector<std::string> aovs;
   std::string device;

@@ -5,7 +5,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cassert>
 #include <type_traits>
 #include <unordered_map>
 
@@ -52,6 +51,7 @@ JobReport Coordinator::run(const Job& job, const JobWatcher& watcher) {
   const Instant start = clock_now();
   active_ = std::make_unique<Active>(next_job_++, job, start);
   add(active_->frame.begin(), start);
+  Instant next_progress = start;
   while (!active_->over()) {
     std::optional<Mail> mail = road_.receive(next_wake(clock_now()));
     const Instant now = clock_now();
@@ -60,7 +60,10 @@ JobReport Coordinator::run(const Job& job, const JobWatcher& watcher) {
     else
       tell(TimePassed{}, now);
     advance(now);
-    if (watcher.progress) watcher.progress(active_->frame.progress(seconds_between(start, now)));
+    if (watcher.progress && (now >= next_progress || active_->over())) {
+      watcher.progress(active_->frame.progress(seconds_between(start, now)));
+      next_progress = now + watcher.interval;
+    }
     if (snapshot_wanted_.exchange(false) && watcher.snapshot) watcher.snapshot(report(now));
   }
   const Instant end = clock_now();
@@ -72,6 +75,14 @@ JobReport Coordinator::run(const Job& job, const JobWatcher& watcher) {
 
 void Coordinator::interrupt() {
   interrupted_ = true;
+  road_.wake();
+}
+
+void Coordinator::fail(const std::string& reason) {
+  {
+    const std::lock_guard lock(failing_);
+    failure_ = reason;
+  }
   road_.wake();
 }
 
@@ -212,6 +223,7 @@ void Coordinator::advance(Instant now) {
   Active& a = *active_;
   const AcceptanceRule& rule = a.frame.job().acceptance;
   const double seconds = seconds_between(a.started, now);
+  if (const std::lock_guard lock(failing_); failure_) a.failure = failure_;
   if (a.over()) return;
   if (interrupted_) return a.frame.stop(StopReason::interrupted);
   if (rule.max_seconds && seconds >= *rule.max_seconds && a.frame.seen())

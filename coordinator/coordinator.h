@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -37,7 +38,8 @@ struct JobReport {
 };
 
 struct JobWatcher {
-  ProgressSink progress = {};                           // called whenever something changed
+  ProgressSink progress = {};  // called whenever something changed, but not more often than
+  Millis interval{0};          // this
   std::function<void(const JobReport&)> snapshot = {};  // called after request_snapshot()
 };
 
@@ -50,8 +52,9 @@ class Coordinator {
   // Runs one job to its end. Throws what validate(job) throws.
   JobReport run(const Job& job, const JobWatcher& watcher = {});
 
-  // From any thread: end the job with the image of the last look; hand its state to the watcher.
+  // From any thread: end the job with the image of the last look; fail it; hand its state to the watcher.
   void interrupt();
+  void fail(const std::string& reason);
   void request_snapshot();
 
  private:
@@ -86,6 +89,8 @@ class Coordinator {
   TaskId next_task_;
   std::map<WorkerId, std::string> device_classes_;
   std::atomic<bool> interrupted_ = false, snapshot_wanted_ = false;
+  std::mutex failing_;  // guards failure_
+  std::optional<std::string> failure_;
 };
 
 }  // namespace tessera

@@ -177,9 +177,10 @@ CellLook Frame::look_at(std::size_t c) const {
   look.error = estimate_from_halves({a, b, picked(stitched_, cell, kHalfA), picked(stitched_, cell, kHalfB)},
                                     weight, cell);
   look.hold_out = hold_out(c, weight);
-  // A guard matters only where the error looks good.
+  // A guard matters only where the error looks good; a small cell's may, beside its neighbours'.
   const auto target = job_.acceptance.relmse;
-  if (target && look.error.upper(kTwoLooks) < *target) look.guard = guard_of(sums, layout(), cell, *target);
+  if (target && (cell.area() < kSmallCell || look.error.upper(kTwoLooks) < *target))
+    look.guard = guard_of(sums, layout(), cell, *target);
   return look;
 }
 
@@ -229,7 +230,8 @@ double Frame::samples_after_this_round() const {
     else if (!seen())
       needed = 4.0 * want_[c];  // nothing is known yet: two more rounds
     else if (decision_.cells[c].status == CellStatus::open)
-      needed = have_[c] * std::pow(std::max(1.0, decision_.cells[c].error.upper(kTwoLooks) / *rule.relmse), 1.25);
+      needed =
+          have_[c] * std::pow(std::max(1.0, decision_.cells[c].error.upper(kTwoLooks) / *rule.relmse), 1.25);
     samples += static_cast<double>(cells_[c].area()) *
                (std::clamp<double>(needed, want_[c], rule.max_samples) - want_[c]);
   }

@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace tessera {
 namespace {
-
 
 class Layers {
  public:
@@ -53,7 +53,7 @@ Image coverage(const FrameImage& frame, const Image& samples) {
 }
 
 Image error_map(const FrameImage& frame) {
-  Image map(frame.sums.region(), 1);
+  Image map(frame.sums.region(), 1, std::numeric_limits<float>::infinity());  // where nothing is known yet
   for (std::size_t c = 0; c < frame.states.size(); ++c)
     paste(map, Image(frame.cells[c], 1, static_cast<float>(frame.states[c].error.mean)));
   return map;

@@ -11,8 +11,6 @@ constexpr double kOneLook = 2.5;           // one-sided 99.4 %: eight looks at 5
 constexpr double kNeighbourTargets = 4.0;  // a cell may rest beside cells up to here
 constexpr double kReopenTargets = 1.5;
 constexpr int kNeighbourRatio = 4;  // of sample counts
-// Cells with fewer pixels, at the frame's edges, say too little alone and are judged with their neighbours.
-constexpr std::int64_t kSmallCell = kCellEdge * kCellEdge / 4;
 
 struct Grid {
   int columns = 0, rows = 0;
@@ -61,8 +59,10 @@ bool neighbours_are_calm(const Grid& grid, const std::vector<ErrorEstimate>& err
 CellState seen(const CellState& before, const CellLook& look, const ErrorEstimate& error, double target) {
   CellState now{before.status, look.samples, before.good_looks, look.error, look.guard};
   const bool good = look.guard == Guard::none && error.upper(kTwoLooks) < target;
+  const bool held = !look.hold_out || look.hold_out->upper(kTwoLooks) < target;
   const bool new_samples = look.samples > before.samples;
-  if (new_samples) now.good_looks = good ? before.good_looks + 1 : 0;
+  // What the hold-out refutes was not a good look: this one is then the first again.
+  if (new_samples) now.good_looks = !good ? 0 : held ? before.good_looks + 1 : 1;
   if (now.status == CellStatus::accepted && error.mean > kReopenTargets * target) {
     now.status = CellStatus::open;
     now.good_looks = 0;
@@ -73,8 +73,7 @@ CellState seen(const CellState& before, const CellLook& look, const ErrorEstimat
 bool may_rest(const CellLook& look, const ErrorEstimate& error, int good_looks, double target) {
   if (look.guard != Guard::none) return false;
   if (error.upper(kOneLook) < target) return true;
-  const bool held = !look.hold_out || look.hold_out->upper(kTwoLooks) < target;
-  return good_looks >= 2 && error.upper(kTwoLooks) < target && held;
+  return good_looks >= 2 && error.upper(kTwoLooks) < target;
 }
 
 std::vector<CellState> judge(const AcceptanceRule& rule, const Grid& grid,
@@ -160,7 +159,9 @@ std::string_view to_string(StopReason reason) {
 }
 
 std::vector<int> first_round(const AcceptanceRule& rule, std::size_t cells) {
-  return std::vector<int>(cells, rule.relmse || rule.max_seconds ? rule.first_samples : rule.max_samples);
+  constexpr int kMostAtOnce = 4096;  // so that the tasks of a round stay countable
+  const bool looks = rule.relmse || rule.max_seconds;
+  return std::vector<int>(cells, looks ? rule.first_samples : std::min(rule.max_samples, kMostAtOnce));
 }
 
 Decision decide(const AcceptanceRule& rule, int columns, const std::vector<std::int64_t>& areas,

@@ -29,6 +29,8 @@
 namespace tessera {
 
 inline constexpr double kTwoLooks = 1.645;  // standard errors; one-sided 95 %
+// Cells with fewer pixels, at the frame's edges, say too little alone and are judged with their neighbours.
+inline constexpr std::int64_t kSmallCell = kCellEdge * kCellEdge / 4;
 
 // One cell at one look.
 struct CellLook {
@@ -70,8 +72,8 @@ struct Decision {
   double acceptable_share = 0;     // of the cells: accepted ones
 };
 
-// The samples per cell of the first round: the rule's first_samples; or max_samples at once if there is
-// neither a target nor a time limit to look at on the way.
+// The samples per cell of the first round: the rule's first_samples; or max_samples at once (4096 at the
+// most) if there is neither a target nor a time limit to look at on the way.
 std::vector<int> first_round(const AcceptanceRule&, std::size_t cells);
 
 // `cells` are laid out row-major, `columns` wide; `areas` are their pixel counts. `before` is empty at the

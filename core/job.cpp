@@ -2,10 +2,12 @@
 #include "core/job.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
 #include "core/error.h"
+#include "core/plan.h"
 #include "core/sample_range.h"
 
 namespace tessera {
@@ -37,6 +39,16 @@ void validate(const AcceptanceRule& rule) {
             fmt::format("{}", *rule.max_seconds), "a number above 0");
 }
 
+// The film over a tile's outer region is one message.
+void validate_tile(const Job& job) {
+  const double width = std::min(job.tile.width + 2 * job.filter.halo(), job.region().width());
+  const double height = std::min(job.tile.height + 2 * job.filter.halo(), job.region().height());
+  const double bytes = width * height * FilmLayout(film_aovs(job)).planes() * sizeof(float);
+  require(bytes <= kMaxPixelBytes, "tile",
+          fmt::format("{}x{}: with its halo more than 1 GiB", job.tile.width, job.tile.height),
+          "a smaller tile");
+}
+
 }  // namespace
 
 void validate(const Job& job) {
@@ -52,8 +64,11 @@ void validate(const Job& job) {
     require(!job.crop->empty() && whole.contains(*job.crop), "crop",
             fmt::format("{} {} {} {}", job.crop->x0, job.crop->y0, job.crop->x1, job.crop->y1),
             "a region with pixels inside the frame");
+  require(job.render.camera.size() <= kMaxName, "camera", "a name too long",
+          fmt::format("{} bytes", kMaxName));
   validate(job.filter);
   validate(job.acceptance);
+  validate_tile(job);
 }
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 // What a user asks for, as plain values.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -13,6 +14,8 @@ namespace tessera {
 
 inline constexpr int kMaxEdge = 65536;  // pixels, width or height of a frame
 inline constexpr int kMaxBounces = 1024;
+inline constexpr std::size_t kMaxName = 256;                         // bytes of a name
+inline constexpr std::size_t kMaxPixelBytes = std::size_t{1} << 30;  // that travel in one message
 
 // Which scene: where a worker may load it, and what it must then be.
 struct SceneRef {

@@ -23,13 +23,11 @@ struct Packet {
 
 // What a receiver accepts.
 inline constexpr std::size_t kMaxHeaderBytes = 1 << 18;
-inline constexpr std::size_t kMaxPixelBytes = std::size_t(1) << 30;
 inline constexpr int kMaxParts = 2;
 inline constexpr int kMaxPlanes = 256;
 inline constexpr int kMaxSlots = 4096;
 inline constexpr int kMaxHeld = 16384;         // entries of a heartbeat
 inline constexpr std::size_t kMaxText = 4096;  // bytes of a path or a reason
-inline constexpr std::size_t kMaxName = 256;   // bytes of any other text
 
 // Bytes that are not a message. Says which field is wrong, and how.
 class ProtocolError : public Error {
