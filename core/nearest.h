@@ -8,8 +8,8 @@
 
 namespace tessera {
 
-// The name among `known` with the fewest typing slips (insert, delete, replace, swap of neighbours) from `name`;
-// empty if even that takes more than half of its letters.
+// The name among `known` with the fewest typing slips (insert, delete, replace, swap of neighbours; not case)
+// from `name`; empty if even that takes more than half of its letters.
 std::string_view nearest(std::string_view name, std::span<const std::string_view> known);
 
 // "unknown WHAT 'NAME'", and "; did you mean 'NEAREST'?" if there is one.
