@@ -76,7 +76,7 @@ void report(std::string_view what, double count, const Spent& s, int threads) {
 class RayBench {
  public:
   RayBench(const RenderScene& scene, const Options& o) : scene_(scene), options_(o) {
-    const CameraRays camera(camera_of(scene.scene(), ""), o.size);
+    const CameraRays camera(scene.scene().cameras.front(), o.size);
     for (int y = 0; y < o.size.height; y += 4)
       for (int x = 0; x < o.size.width; x += 4) {
         Packet p;

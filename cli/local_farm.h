@@ -20,7 +20,6 @@ class LocalFarm {
   ~LocalFarm();
 
   Coordinator& coordinator() { return coordinator_; }
-  const std::string& device_class() const { return device_class_; }
 
  private:
   void work();

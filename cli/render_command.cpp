@@ -67,9 +67,9 @@ void require_memory(const Job& job) {
                     needed / (1u << 30), there / (1u << 30)));
 }
 
-void write(const RenderOptions& o, const fs::path& file, const Job& job, const JobReport& report,
-           const std::string& device) {
-  const Provenance from{std::string(kVersion), device, job.scene.hash, report.seconds, report.dropped};
+void write(const RenderOptions& o, const fs::path& file, const Job& job, const JobReport& report) {
+  const Provenance from{std::string(kVersion), fmt::format("{}", fmt::join(report.device_classes, "; ")),
+                        job.scene.hash, report.seconds, report.dropped};
   write_exr(file, layered(job, report.image, from), o.compression);
   write_png(fs::path(file).replace_extension(".png"), report.image.filtered, static_cast<float>(o.exposure));
 }
@@ -147,7 +147,7 @@ JobReport run(const RenderOptions& o, const Job& job, LocalFarm& farm, UnderWay&
                            .snapshot =
                                [&](const JobReport& now) {
                                  try {
-                                   write(o, output_file(o), job, now, farm.device_class());
+                                   write(o, output_file(o), job, now);
                                  } catch (const Error& e) {
                                    spdlog::error("no snapshot: {}", e.what());  // the frame goes on
                                  }
@@ -176,7 +176,7 @@ int render_scene(const RenderOptions& o) {
   const JobReport report = run(o, job, farm, under_way);
   if (report.failure)
     throw Error(report.bad_input ? ExitCode::bad_input : ExitCode::job_failed, *report.failure);
-  write(o, file, job, report, farm.device_class());
+  write(o, file, job, report);
   if (!o.quiet) summarise(job, report, file);
   return exit_code(job, report);
 }

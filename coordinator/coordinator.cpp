@@ -228,7 +228,7 @@ void Coordinator::advance(Instant now) {
   if (interrupted_) return a.frame.stop(StopReason::interrupted);
   if (rule.max_seconds && seconds >= *rule.max_seconds && a.frame.seen())
     return a.frame.stop(StopReason::max_seconds);
-  if (a.frame.round_complete()) add(a.frame.look({seconds, false}), now);
+  if (a.frame.round_complete()) add(a.frame.look({seconds}), now);
 }
 
 // The job is over: nobody need work on it any more.

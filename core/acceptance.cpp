@@ -135,7 +135,6 @@ bool all(const std::vector<CellState>& cells, CellStatus status) {
 std::optional<StopReason> stop_reason(const AcceptanceRule& rule, const std::vector<CellState>& cells,
                                       const Budget& budget) {
   if (all(cells, CellStatus::accepted)) return rule.relmse ? StopReason::accepted : StopReason::max_samples;
-  if (budget.interrupted) return StopReason::interrupted;
   if (std::ranges::none_of(cells, [](const CellState& c) { return c.status == CellStatus::open; }))
     return StopReason::max_samples;
   if (rule.max_seconds && budget.seconds >= *rule.max_seconds) return StopReason::max_seconds;

@@ -58,7 +58,6 @@ struct CellState {
 
 struct Budget {
   double seconds = 0;  // of wall time so far
-  bool interrupted = false;
 };
 
 enum class StopReason : unsigned char { accepted, max_samples, max_seconds, interrupted };

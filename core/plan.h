@@ -3,7 +3,6 @@
 // fast.
 #pragma once
 
-#include <map>
 #include <vector>
 
 #include "core/job.h"

@@ -7,7 +7,6 @@
 
 #include "core/error.h"
 #include "core/plan.h"
-#include "core/scene/load.h"
 #include "worker/denoise/runner.h"
 #include "worker/latest_cache.h"
 #include "worker/render/render.h"
@@ -57,17 +56,6 @@ class StandardRunner : public TaskRunner {
   std::unique_ptr<Device> device_;
 };
 
-std::shared_ptr<const Scene> load_checked(const SceneRef& ref) {
-  try {
-    auto scene = std::make_shared<const Scene>(load_scene(ref.path));
-    if (content_hash(*scene) == ref.hash) return scene;
-  } catch (const Error& error) {
-    throw Error(ExitCode::internal_error,
-                fmt::format("not as on the coordinator's machine: {}", error.what()));
-  }
-  throw Error(ExitCode::internal_error, ref.path + ": is another scene than on the coordinator's machine");
-}
-
 // What this binary was compiled for, and what Embree and OpenCL compile for.
 std::string instruction_sets() {
 #if defined(__AVX512F__)
@@ -83,8 +71,6 @@ std::string instruction_sets() {
 
 }  // namespace
 
-SceneSource scenes_from_files() { return load_checked; }
-
 SceneSource scene_in_hand(std::shared_ptr<const Scene> scene) {
   return [scene = std::move(scene)](const SceneRef&) { return scene; };
 }
@@ -94,7 +80,8 @@ std::unique_ptr<TaskRunner> make_task_runner(SceneSource source, RunnerOptions o
 }
 
 std::string device_class(const std::string& version, const DeviceInfo& device) {
-  return fmt::format("tessera {} {} {} {} {}", version, instruction_sets(), device.name, device.version, device.driver)
+  return fmt::format("tessera {} {} {} {} {}", version, instruction_sets(), device.name, device.version,
+                     device.driver)
       .substr(0, 256);
 }
 

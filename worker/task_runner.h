@@ -17,10 +17,6 @@ namespace tessera {
 // lives as long as the longest task that uses it.
 using SceneSource = std::function<std::shared_ptr<const Scene>(const SceneRef&)>;
 
-// Loads SceneRef::path. A file that is missing, broken or of another hash here is this machine's trouble and
-// not the job's (the coordinator could read it), so it never throws Error(bad_input).
-SceneSource scenes_from_files();
-
 // Always the one scene, which is loaded already: local mode.
 SceneSource scene_in_hand(std::shared_ptr<const Scene>);
 
@@ -31,7 +27,8 @@ struct RunnerOptions {
 
 std::unique_ptr<TaskRunner> make_task_runner(SceneSource, RunnerOptions = {});
 
-// The unit within which bits are promised equal: version, instruction set, and the OpenCL device with its driver.
+// The unit within which bits are promised equal: version, instruction set, and the OpenCL device with its
+// driver.
 std::string device_class(const std::string& version, const DeviceInfo& device);
 
 }  // namespace tessera

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/render/camera.h"
 
-#include "core/error.h"
 #include "worker/render/warp.h"
 
 namespace tessera::tracer {
@@ -31,15 +30,6 @@ Ray CameraRays::ray(float x, float y, const Vec2& lens) const {
   const Vec2 d = disc(lens) * lens_radius_;
   const Vec3 start = right_ * d.x + up_ * d.y;
   return {origin_ + start, unit(through * focus_distance_ - start)};
-}
-
-const Camera& camera_of(const Scene& scene, const std::string& name) {
-  std::string names;
-  for (const Camera& c : scene.cameras) {
-    if (name.empty() || c.name == name) return c;
-    names += (names.empty() ? "" : ", ") + c.name;
-  }
-  throw InputError("camera", "there is none named '" + name + "'", names.empty() ? "none" : names);
 }
 
 }  // namespace tessera::tracer

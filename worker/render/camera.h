@@ -27,7 +27,4 @@ class CameraRays {
   float lens_radius_, focus_distance_;
 };
 
-// The camera of that name, or the first if `name` is empty. Throws InputError that lists the cameras.
-const Camera& camera_of(const Scene&, const std::string& name);
-
 }  // namespace tessera::tracer

@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "core/scene/load.h"
 #include "worker/render/warp.h"
 
 namespace tessera::tracer {
@@ -38,7 +39,7 @@ BlockKeys::BlockKeys(std::uint64_t seed, int frame, int x0, int y0) : x(x0), y(y
 
 Integrator::Integrator(const RenderScene& scene, const RenderSettings& settings)
     : scene_(scene),
-      camera_(camera_of(scene.scene(), settings.camera), settings.size),
+      camera_(scene.scene().cameras[camera_index(scene.scene(), settings.camera)], settings.size),
       max_bounces_(settings.max_bounces),
       albedo_(settings.aovs.has(Aov::albedo)) {}
 

@@ -207,21 +207,5 @@ TEST(Camera, FieldsOfViewReachTheEdgesOfTheFrame) {
   EXPECT_LT(length(horizontal.ray(0, 50, {}).direction - unit(Vec3(-1, 0, -1))), 1e-6f);
 }
 
-TEST(Camera, AnUnknownNameIsAnsweredWithTheNamesThereAre) {
-  Scene scene;
-  scene.cameras.resize(2);
-  scene.cameras[0].name = "left";
-  scene.cameras[1].name = "right";
-  EXPECT_EQ(&camera_of(scene, ""), &scene.cameras[0]);
-  EXPECT_EQ(&camera_of(scene, "right"), &scene.cameras[1]);
-  try {
-    camera_of(scene, "middle");
-    FAIL();
-  } catch (const std::exception& e) {
-    EXPECT_THAT(e.what(),
-                ::testing::AllOf(::testing::HasSubstr("middle"), ::testing::HasSubstr("left, right")));
-  }
-}
-
 }  // namespace
 }  // namespace tessera::tracer
