@@ -54,11 +54,14 @@ int usable_threads() {
 }
 
 LocalFarm::LocalFarm(std::shared_ptr<const Scene> scene, int threads, const std::string& device)
+    : LocalFarm(std::move(scene), threads, Device::open(device)) {}
+
+LocalFarm::LocalFarm(std::shared_ptr<const Scene> scene, int threads, std::unique_ptr<Device> device)
     : router_(context_, {kEndpoint}, loud("coordinator")),
       coordinator_(router_, {}),
-      device_class_(tessera::device_class(std::string(kVersion), Device::open(device)->info())),
-      runner_(make_task_runner(scene_in_hand(std::move(scene)), {.device = device})),
       dealer_(context_, kEndpoint, "local", loud("worker")),
+      device_class_(device_class(std::string(kVersion), device->info())),
+      runner_(make_task_runner(scene_in_hand(std::move(scene)), std::move(device))),
       worker_({.slots = threads, .version = std::string(kVersion), .device_class = device_class_}, dealer_,
               *runner_),
       thread_([this] { work(); }) {}

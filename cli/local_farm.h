@@ -22,14 +22,15 @@ class LocalFarm {
   Coordinator& coordinator() { return coordinator_; }
 
  private:
+  LocalFarm(std::shared_ptr<const Scene> scene, int threads, std::unique_ptr<Device> device);
   void work();
 
   ZmqContext context_;
   ZmqRouter router_;
   Coordinator coordinator_;
+  ZmqDealer dealer_;
   std::string device_class_;
   std::unique_ptr<TaskRunner> runner_;
-  ZmqDealer dealer_;
   Worker worker_;
   std::jthread thread_;
 };

@@ -155,7 +155,7 @@ Job job_of(const RenderOptions& o) {
   job.render.max_bounces = o.max_bounces;
   job.render.camera = o.camera;
   job.filter = parse_filter(o.filter);
-  job.render.aovs = AovSet{Aov::color} | aovs_of(job.filter.description().inputs) | parse_aovs(o.aovs);
+  job.render.aovs = AovSet{Aov::color} | parse_aovs(o.aovs);
   job.frame = o.frame;
   const auto tile = parse_tile_size(o.tile_size);
   if (!tile) refuse("--tile-size", o.tile_size, fmt::format("N or WxH, each 1 to {}", kMaxEdge));

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <mutex>
-
 #include "core/error.h"
 #include "core/plan.h"
 #include "worker/denoise/runner.h"
@@ -16,8 +14,8 @@ namespace {
 
 class StandardRunner : public TaskRunner {
  public:
-  StandardRunner(SceneSource source, RunnerOptions options)
-      : source_(std::move(source)), options_(std::move(options)), scenes_(options_.scenes_kept) {}
+  StandardRunner(SceneSource source, std::unique_ptr<Device> device, std::size_t scenes_kept)
+      : source_(std::move(source)), device_(std::move(device)), scenes_(scenes_kept) {}
 
   TaskResult run(const Job& job, const Task& task, const Image& input,
                  const std::atomic<bool>& cancel) override {
@@ -40,20 +38,12 @@ class StandardRunner : public TaskRunner {
     if (input.planes() != layout.planes())
       throw Error(ExitCode::internal_error, fmt::format("filter task: the film has {} planes, not {}",
                                                         input.planes(), layout.planes()));
-    return FilterDone{.filtered = filter_task(device(), job.filter, input, layout, work.tile, job.region())};
-  }
-
-  Device& device() {
-    const std::lock_guard lock(opening_);
-    if (!device_) device_ = Device::open(options_.device);
-    return *device_;
+    return FilterDone{.filtered = filter_task(*device_, job.filter, input, layout, work.tile, job.region())};
   }
 
   SceneSource source_;
-  RunnerOptions options_;
+  std::unique_ptr<Device> device_;  // shared by the slots
   LatestCache<RenderScene> scenes_;
-  std::mutex opening_;  // guards device_; a Device itself may be shared
-  std::unique_ptr<Device> device_;
 };
 
 // What this binary was compiled for, and what Embree and OpenCL compile for.
@@ -75,8 +65,9 @@ SceneSource scene_in_hand(std::shared_ptr<const Scene> scene) {
   return [scene = std::move(scene)](const SceneRef&) { return scene; };
 }
 
-std::unique_ptr<TaskRunner> make_task_runner(SceneSource source, RunnerOptions options) {
-  return std::make_unique<StandardRunner>(std::move(source), std::move(options));
+std::unique_ptr<TaskRunner> make_task_runner(SceneSource source, std::unique_ptr<Device> device,
+                                             std::size_t scenes_kept) {
+  return std::make_unique<StandardRunner>(std::move(source), std::move(device), scenes_kept);
 }
 
 std::string device_class(const std::string& version, const DeviceInfo& device) {

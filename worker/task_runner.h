@@ -13,19 +13,17 @@
 
 namespace tessera {
 
-// Where scenes come from. Called by one slot at a time; never null, throws an Error. Shared, since a scene
+// Where scenes come from. Called once for a hash that is not kept, from any slot; never null, throws an
+// Error. Shared, since a scene
 // lives as long as the longest task that uses it.
 using SceneSource = std::function<std::shared_ptr<const Scene>(const SceneRef&)>;
 
 // Always the one scene, which is loaded already: local mode.
 SceneSource scene_in_hand(std::shared_ptr<const Scene>);
 
-struct RunnerOptions {
-  std::string device;           // as Device::open takes it; opened when the first filter needs it
-  std::size_t scenes_kept = 2;  // made ready, by content hash; the one used longest ago goes first
-};
-
-std::unique_ptr<TaskRunner> make_task_runner(SceneSource, RunnerOptions = {});
+// Filters on `device`. Keeps the last `scenes_kept` scenes made ready, by content hash.
+std::unique_ptr<TaskRunner> make_task_runner(SceneSource, std::unique_ptr<Device> device,
+                                             std::size_t scenes_kept = 2);
 
 // The unit within which bits are promised equal: version, instruction set, and the OpenCL device with its
 // driver.

@@ -24,7 +24,7 @@ class OneImage : public ::testing::Test {
     return scene;
   }
   static TaskRunner& runner() {
-    static const auto runner = make_task_runner(scene_in_hand(scene()));
+    static const auto runner = make_task_runner(scene_in_hand(scene()), Device::open(""));
     return *runner;
   }
   // What every farm must deliver: one worker, one tile, a quiet road.
