@@ -3,6 +3,7 @@
 // checked yet: load_scene does that (finish.h).
 #pragma once
 
+#include <array>
 #include <filesystem>
 
 #include "core/scene/scene.h"
@@ -19,8 +20,15 @@ struct ImportBudget {
 // itself.
 Scene import_scene(const std::filesystem::path& file, ImportBudget& budget, std::string_view where = {});
 
-// Moves everything of `part` but its environment to the end of `scene`, transformed. Powers stay as they are
-// under scaling. Adds a warning for what cannot be transformed exactly.
+// All textures of a material, unset ones too.
+std::array<Texture*, 11> textures_of(Material&);
+
+// The light group of that name, added if new; -1 for an empty name. Throws InputError at `where` if there are
+// more than kMaxLightGroups.
+int light_group(Scene&, const std::string& name, std::string_view where);
+
+// Moves everything of `part` but its environment, background and frame rate to the end of `scene`,
+// transformed. Powers stay as they are under scaling. Adds a warning for what cannot be transformed exactly.
 void append(Scene& scene, Scene&& part, const Matrix& transform);
 
 // Adds a warning unless it is there already. Keeps a list of bounded length.

@@ -6,10 +6,10 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/nearest.h"
 #include "core/scene/files.h"
 #include "core/scene/finish.h"
 #include "core/scene/import.h"
-#include "core/nearest.h"
 #include "embedded_schema.h"
 
 namespace tessera {

@@ -127,7 +127,8 @@ TEST_F(Compare, RefusesImagesThatCannotBeCompared) {
   EXPECT_THAT(error({write("size.exr", 1.0f, "RGB", {0, 0, 96, 63}), good}),
               HasSubstr("96 x 63 pixels at (0, 0)"));
   EXPECT_THAT(error({write("moved.exr", 1.0f, "RGB", {1, 0, 97, 64}), good}), HasSubstr("at (1, 0)"));
-  EXPECT_THAT(error({good, write("grey.exr", 1.0f, "RG")}), HasSubstr("grey.exr: has not all of the channels R, G and B"));
+  EXPECT_THAT(error({good, write("grey.exr", 1.0f, "RG")}),
+              HasSubstr("grey.exr: has not all of the channels R, G and B"));
   EXPECT_THAT(error({file("none.exr"), good}), HasSubstr("none.exr"));
   CompareOptions tiles{good, good};
   tiles.tile_size = "0x9";

@@ -75,7 +75,7 @@ void Integrator::start(const BlockKeys& block, int sample) {
     path.direction = ray.direction;
     path.throughput = Color(1, 1, 1);
     path.radiance_scale = 1;
-    path.scattered = 0;
+    path.left = {};
     path.direct = path.indirect = path.emission = Color(0, 0, 0);
     path.alive = true;
     path.waits = false;
@@ -104,8 +104,7 @@ bool Integrator::ready_vertices(const BlockKeys& block, int sample, int bounce) 
 void Integrator::first_hit(int lane, SampleBlock& out) {
   Path& path = paths_[static_cast<std::size_t>(lane)];
   path.bsdf = scene_.materials().bsdf(scene_.geometry(), rays_.at(lane), path.surface, path.direction);
-  if (path.surface.light >= 0)
-    path.emission = scene_.lights().hit(path.origin, path.direction, path.surface, 0);
+  if (path.surface.light >= 0) path.emission = scene_.lights().hit({}, path.direction, path.surface).radiance;
   out.hit[static_cast<std::size_t>(lane)] = 1;
   out.set(Aov::albedo, lane, albedo_ ? albedo(path.bsdf) : Color(0, 0, 0));
   out.set(Aov::normal, lane, path.bsdf.frame.z);
@@ -117,7 +116,7 @@ void Integrator::first_hit(int lane, SampleBlock& out) {
 void Integrator::sky(int lane, SampleBlock& out) {
   Path& path = paths_[static_cast<std::size_t>(lane)];
   path.alive = false;
-  path.emission = scene_.lights().escaped(path.direction, 0);
+  scene_.lights().backdrop(path.direction, [&](const Emitted& e) { path.emission += e.radiance; });
   out.hit[static_cast<std::size_t>(lane)] = 0;
   out.set(Aov::albedo, lane, Vec3(1, 1, 1));
   out.set(Aov::normal, lane, Vec3(0, 0, 0));
@@ -134,11 +133,11 @@ void Integrator::scatter(int lane, int bounce) {
   const bool one_lobe = path.bsdf.kind == Material::Kind::diffuse;
   const auto i = static_cast<std::size_t>(lane);
   const BsdfSample s = sample(path.bsdf, one_lobe ? 0 : which_.x[i], direction_[i]);
-  path.alive = !is_black(s.weight);
+  path.alive = !is_black(s.weight());
   if (!path.alive) return;
-  path.throughput *= s.weight;
+  path.throughput *= s.weight();
   path.radiance_scale *= s.radiance_scale;
-  path.scattered = s.pdf;
+  path.left = {path.surface.position, path.bsdf.frame.z, s.pdf};
   path.direction = s.wi;
   path.alive = survives(path, lane, bounce);
   if (!path.alive) return;
@@ -164,12 +163,12 @@ bool Integrator::survives(Path& path, int lane, int bounce) const {
 void Integrator::ask_light(Path& path, int lane) {
   const Lights& lights = scene_.lights();
   const auto i = static_cast<std::size_t>(lane);
-  const LightSample light =
-      lights.sample(path.surface.position, lights.picks() ? which_.y[i] : 0, light_point_[i]);
+  const LightSample light = lights.sample(path.surface.position, path.bsdf.frame.z,
+                                          lights.picks() ? which_.y[i] : 0, light_point_[i]);
   if (!(light.pdf > 0)) return;
   const BsdfValue scattered = evaluate(path.bsdf, light.direction);
   const float weight = (light.delta ? 1.0f : power_heuristic(light.pdf, scattered.pdf)) / light.pdf;
-  path.unshadowed = path.throughput * scattered.f * light.radiance * weight;
+  path.unshadowed = path.throughput * scattered.f() * light.radiance * weight;
   if (is_black(path.unshadowed)) return;
   path.waits = true;
   const Vec3 origin = leaving(path.surface, light.direction);
@@ -209,8 +208,7 @@ void Integrator::next_hits(int bounce) {
     for (int lane = 0; lane < kLanes; ++lane) {
       Path& path = paths_[static_cast<std::size_t>(lane)];
       if (!path.alive || shadows_.occluded(lane)) continue;
-      (bounce == 0 ? path.direct : path.indirect) +=
-          path.throughput * scene_.lights().escaped(path.direction, path.scattered);
+      find_sky(path, bounce);
     }
     return;
   }
@@ -225,7 +223,6 @@ void Integrator::find_surfaces() {
   for (int lane = 0; lane < kLanes; ++lane) {
     Path& path = paths_[static_cast<std::size_t>(lane)];
     if (!path.alive || !rays_.hit(lane)) continue;
-    path.left = path.surface.position;
     path.surface =
         scene_.geometry().surface(rays_.at(lane), path.origin, path.direction, rays_.distance(lane));
   }
@@ -236,14 +233,20 @@ void Integrator::arrive(int lane, int bounce) {
   Path& path = paths_[static_cast<std::size_t>(lane)];
   Color& light = bounce == 0 ? path.direct : path.indirect;
   if (!rays_.hit(lane)) {
-    light += path.throughput * scene_.lights().escaped(path.direction, path.scattered);
+    find_sky(path, bounce);
     path.alive = false;
     return;
   }
   if (path.surface.light >= 0)
-    light += path.throughput * scene_.lights().hit(path.left, path.direction, path.surface, path.scattered);
+    light += path.throughput * scene_.lights().hit(path.left, path.direction, path.surface).radiance;
   if (bounce < max_bounces_)
     path.bsdf = scene_.materials().bsdf(scene_.geometry(), rays_.at(lane), path.surface, path.direction);
+}
+
+void Integrator::find_sky(Path& path, int bounce) const {
+  Color& light = bounce == 0 ? path.direct : path.indirect;
+  scene_.lights().escaped(path.left, path.direction,
+                          [&](const Emitted& e) { light += path.throughput * e.radiance; });
 }
 
 void Integrator::finish(SampleBlock& out) const {

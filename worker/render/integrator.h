@@ -33,9 +33,8 @@ class Integrator {
  private:
   struct Path {
     Vec3 origin, direction;  // of the ray in flight
-    Vec3 left;               // the vertex it comes from; the origin is off its surface
+    Vertex left;             // the vertex it comes from; the origin is off its surface
     Color throughput;        // of the path so far
-    float scattered;         // density of `direction`; 0 if a delta
     float radiance_scale;    // of the refractions in throughput, of which roulette must not know
     Color direct, indirect, emission;
     Color unshadowed;  // what the shadow ray decides on
@@ -54,6 +53,7 @@ class Integrator {
   void next_hits(int bounce);
   void find_surfaces();
   void arrive(int lane, int bounce);
+  void find_sky(Path& path, int bounce) const;
   bool survives(Path& path, int lane, int bounce) const;
   void finish(SampleBlock& out) const;
   bool gathers_emission() const;

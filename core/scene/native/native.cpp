@@ -8,11 +8,11 @@
 #include <set>
 
 #include "core/error.h"
+#include "core/nearest.h"
 #include "core/scene/files.h"
 #include "core/scene/import.h"
 #include "core/scene/load.h"
 #include "core/scene/native/parts.h"
-#include "core/nearest.h"
 #include "core/scene/schema.h"
 
 namespace tessera {

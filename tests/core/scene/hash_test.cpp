@@ -106,9 +106,11 @@ TEST(ContentHash, DependsOnNothingElse) {
 }
 
 TEST(ContentHash, OfAnEmptySceneIsTheSha256OfItsBytes) {
-  // Python: hashlib.sha256(8 * 8 * b"\0" + 12 * b"\0" + 8 * b"\xff" + 4 * b"\0" + 8 * b"\0"), i.e. eight list
-  // lengths, the environment (radiance, picture -1, rotation) and the number of cameras.
-  EXPECT_EQ(content_hash(Scene{}), "f3539c076fea9878877019f3eae5cdca6a7ef54cdb8229b8e706f5660fd45f31");
+  // Python, with f = lambda x: struct.pack("<f", x): hashlib.sha256(11 * 8 * b"\0" + 12 * b"\0" + 8 * b"\xff"
+  // + 4 * b"\0" + 8 * b"\xff" + f(1) + f(1) + 20 * b"\0" + 16 * b"\0" + f(24) + 16 * b"\0"), i.e. eleven list
+  // lengths, the environment (radiance, picture -1, rotation, light: group -1, two factors), the background,
+  // light groups and tracks, the frame rate, variants and cameras.
+  EXPECT_EQ(content_hash(Scene{}), "0174ee03171fd1885a17832d11a761553b262e49744fafb21a7b6a4ccb9935c5");
 }
 
 }  // namespace

@@ -16,6 +16,12 @@ using tessera::testing::kPi;
 constexpr int kTries = 100000;
 const Vec3 kPoint(0.1f, 0.2f, -0.3f);
 
+float escaped(const Lights& lights, const Vec3& direction, float pdf) {
+  float sum = 0;
+  lights.escaped({kPoint, {0, 1, 0}, pdf}, direction, [&](const Emitted& e) { sum += e.radiance.x; });
+  return sum;
+}
+
 // Samples of the only light, as points of the unit square; all of them must have the density `pdf`.
 void expect_light(const Scene& scene, const std::function<double(const Vec3&)>& pdf, const char* what) {
   const auto ready = prepared(scene);
@@ -24,7 +30,7 @@ void expect_light(const Scene& scene, const std::function<double(const Vec3&)>& 
   int astray = 0;
   for (int i = 0; i < kTries; ++i) {
     const float pick = random.number();
-    const LightSample s = ready->lights().sample(kPoint, pick, random.pair());
+    const LightSample s = ready->lights().sample(kPoint, Vec3(0, 1, 0), pick, random.pair());
     if (!(s.pdf > 0)) continue;
     ASSERT_NEAR(length(s.direction), 1, 1e-5f);
     const double expected = pdf(s.direction);
@@ -134,8 +140,8 @@ TEST(Lights, ManyLightsArePickedByTheirPower) {
   scene.points.push_back({{0, -1, 0}, {1, 1, 1}});
   scene.points.push_back({{1, 0, 0}, {0, 0, 0}});
   const auto ready = prepared(scene);
-  EXPECT_FLOAT_EQ(ready->lights().sample({0, 0, 0}, 0.5f, {}).pdf, 0.75f);
-  EXPECT_FLOAT_EQ(ready->lights().sample({0, 0, 0}, 0.8f, {}).pdf, 0.25f);
+  EXPECT_FLOAT_EQ(ready->lights().sample({0, 0, 0}, {0, 1, 0}, 0.5f, {}).pdf, 0.75f);
+  EXPECT_FLOAT_EQ(ready->lights().sample({0, 0, 0}, {0, 1, 0}, 0.8f, {}).pdf, 0.25f);
 }
 
 // The integral over all directions of what a glossy point reflects, by either strategy alone and by both.
@@ -159,13 +165,13 @@ TEST(Lights, EitherStrategyAloneAndBothTogetherAgree) {
     double error() const { return std::sqrt((squares / kMany - mean() * mean()) / kMany); }
   } by_light, by_surface, by_both;
   for (int i = 0; i < kMany; ++i) {
-    const LightSample l = lights.sample(kPoint, random.number(), random.pair());
+    const LightSample l = lights.sample(kPoint, Vec3(0, 1, 0), random.number(), random.pair());
     const BsdfValue v = evaluate(b, l.direction);
-    const double direct = l.pdf > 0 ? v.f.x * l.radiance.x / l.pdf : 0;
+    const double direct = l.pdf > 0 ? v.f().x * l.radiance.x / l.pdf : 0;
     const float lobe = random.number();
     const BsdfSample s = sample(b, lobe, random.pair());
-    const double found = s.pdf > 0 ? s.weight.x * lights.escaped(s.wi, 0).x : 0;
-    const double weighed = s.pdf > 0 ? s.weight.x * lights.escaped(s.wi, s.pdf).x : 0;
+    const double found = s.pdf > 0 ? s.weight().x * escaped(lights, s.wi, 0) : 0;
+    const double weighed = s.pdf > 0 ? s.weight().x * escaped(lights, s.wi, s.pdf) : 0;
     by_light.add(direct);
     by_surface.add(found);
     by_both.add(direct * (l.pdf > 0 ? power_heuristic(l.pdf, v.pdf) : 0) + weighed);

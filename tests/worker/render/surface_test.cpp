@@ -192,8 +192,8 @@ TEST(Material, RoughnessAndMetalnessComeFromGreenAndBlue) {
 
 TEST(Material, BothSidesScatter) {
   Painted painted({.base_color = Color(0.5f, 0.5f, 0.5f), .double_sided = false});
-  EXPECT_FALSE(is_black(evaluate(painted.bsdf({0, 0, -1}), {0, 0, -1}).f));
-  EXPECT_TRUE(is_black(evaluate(painted.bsdf({0, 0, -1}), {0, 0, 1}).f));
+  EXPECT_FALSE(is_black(evaluate(painted.bsdf({0, 0, -1}), {0, 0, -1}).f()));
+  EXPECT_TRUE(is_black(evaluate(painted.bsdf({0, 0, -1}), {0, 0, 1}).f()));
 }
 
 TEST(Camera, FieldsOfViewReachTheEdgesOfTheFrame) {

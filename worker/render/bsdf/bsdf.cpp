@@ -24,14 +24,15 @@ Color diffuse_value(const Bsdf& b, const Vec3& wi) {
 
 BsdfValue metallic_roughness_value(const Bsdf& b, const Vec3& wi) {
   const Vec3 h = unit(b.wo + wi);
-  return {diffuse_value(b, wi) + schlick(dot(b.wo, h), b.f0) * microfacet_value(b.wo, wi, h, b.alpha),
+  return {diffuse_value(b, wi), schlick(dot(b.wo, h), b.f0) * microfacet_value(b.wo, wi, h, b.alpha),
           b.specular_share * visible_reflection_pdf(b.wo, h, b.alpha) +
               (1.0f - b.specular_share) * wi.z * kInvPi};
 }
 
 BsdfValue metal_value(const Bsdf& b, const Vec3& wi) {
   const Vec3 h = unit(b.wo + wi);
-  return {b.color * conductor_fresnel(dot(b.wo, h), b.eta, b.k) * microfacet_value(b.wo, wi, h, b.alpha),
+  return {Color(0),
+          b.color * conductor_fresnel(dot(b.wo, h), b.eta, b.k) * microfacet_value(b.wo, wi, h, b.alpha),
           visible_reflection_pdf(b.wo, h, b.alpha)};
 }
 
@@ -39,7 +40,7 @@ BsdfValue metal_value(const Bsdf& b, const Vec3& wi) {
 BsdfValue value(const Bsdf& b, const Vec3& wi) {
   switch (b.kind) {
     case Material::Kind::diffuse:
-      return {b.color * (wi.z * kInvPi), wi.z * kInvPi};
+      return {b.color * (wi.z * kInvPi), Color(0), wi.z * kInvPi};
     case Material::Kind::metal:
       return metal_value(b, wi);
     case Material::Kind::metallic_roughness:
@@ -56,7 +57,7 @@ bool above(const Bsdf& b, const Vec3& wi_local, const Vec3& wi) {
 BsdfSample mirrored(const Bsdf& b, const Color& weight) {
   const Vec3 wi = b.frame.to_world({-b.wo.x, -b.wo.y, b.wo.z});
   if (!(dot(wi, b.ng) > 0)) return {};
-  return {wi, weight, 0, 1};
+  return {wi, Color(0), weight, 0, 1};
 }
 
 BsdfSample sample_glass(const Bsdf& b, float lobe) {
@@ -66,7 +67,7 @@ BsdfSample sample_glass(const Bsdf& b, float lobe) {
   const Vec3 wi = b.frame.to_world({-b.wo.x * across, -b.wo.y * across, -boundary.cos_refracted});
   if (!(dot(wi, b.ng) < 0)) return {};
   // Radiance is denser where light is slower; Veach 1997, eq. 5.2.
-  return {wi, b.color * (across * across), 0, across * across};
+  return {wi, Color(0), b.color * (across * across), 0, across * across};
 }
 
 Vec3 sample_direction(const Bsdf& b, float lobe, const Vec2& u) {
@@ -89,10 +90,10 @@ BsdfSample sample(const Bsdf& b, float lobe, const Vec2& u) {
   const Vec3 local = sample_direction(b, lobe, u);
   const Vec3 wi = b.frame.to_world(local);
   if (!above(b, local, wi)) return {};
-  if (b.kind == Material::Kind::diffuse) return {wi, b.color, local.z * kInvPi, 1};
+  if (b.kind == Material::Kind::diffuse) return {wi, b.color, Color(0), local.z * kInvPi, 1};
   const BsdfValue v = value(b, local);
   if (!(v.pdf > 0)) return {};
-  return {wi, v.f * (1.0f / v.pdf), v.pdf, 1};
+  return {wi, v.diffuse * (1.0f / v.pdf), v.specular * (1.0f / v.pdf), v.pdf, 1};
 }
 
 Color albedo(const Bsdf& b) {

@@ -24,18 +24,22 @@ struct Bsdf {
   float specular_share = 0.5f;  // of metallic_roughness: probability that a sample is of the specular lobe
 };
 
+// f * cosine to the shading normal, apart by kind: diffuse is what Lambert-like lobes scatter (also to the
+// other side), specular all else.
 struct BsdfValue {
-  Color f{0, 0, 0};  // times the cosine to the shading normal
-  float pdf = 0;     // per steradian, of sample() choosing this direction
+  Color diffuse{0, 0, 0}, specular{0, 0, 0};
+  float pdf = 0;  // per steradian, of sample() choosing this direction
+  Color f() const { return diffuse + specular; }
 };
 // wi in the world. Delta parts count as 0.
 BsdfValue evaluate(const Bsdf&, const Vec3& wi);
 
 struct BsdfSample {
-  Vec3 wi;                   // world
-  Color weight{0, 0, 0};     // f * cosine / pdf; black: absorbed
-  float pdf = 0;             // 0: a delta direction
-  float radiance_scale = 1;  // of a refraction: (index here / index beyond)^2, contained in weight
+  Vec3 wi;                                    // world
+  Color diffuse{0, 0, 0}, specular{0, 0, 0};  // f * cosine / pdf, apart as above; both black: absorbed
+  float pdf = 0;                              // 0: a delta direction
+  float radiance_scale = 1;  // of a refraction: (index here / index beyond)^2, contained in the weights
+  Color weight() const { return diffuse + specular; }
 };
 // `lobe` in [0, 1) chooses among lobes, `u` the direction within.
 BsdfSample sample(const Bsdf&, float lobe, const Vec2& u);

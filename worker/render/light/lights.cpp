@@ -76,7 +76,7 @@ void Lights::add_punctual(float radius) {
     sun_at_[i] = static_cast<int>(suns_.size());
     // A disc of radiance L gives the irradiance pi L sin^2 on a surface that faces it.
     suns_.push_back({Frame(unit(-sun.direction)), versine(half),
-                     sun.irradiance * (1.0f / (kPi * square(std::sin(half)))), 0});
+                     sun.irradiance * (1.0f / (kPi * square(std::sin(half)))), 0, sun.camera, &sun.light});
   }
 }
 
@@ -112,11 +112,34 @@ void Lights::add_spheres() {
   }
 }
 
-LightSample Lights::sample(const Vec3& p, float pick, const Vec2& u) const {
+LightSample Lights::sample(const Vec3& p, const Vec3&, float pick, const Vec2& u) const {
   const Distribution::Pick chosen = lights_.size() == 1 ? Distribution::Pick{0, pick} : picks_.pick(pick);
   LightSample s = sample_at(p, lights_[chosen.index], chosen.share, u);
   s.pdf *= picks_.probability(chosen.index);
+  s.traits = &traits(lights_[chosen.index]);
   return s;
+}
+
+const LightTraits& Lights::traits(const Light& light) const {
+  static const LightTraits plain;
+  const auto of_object = [&](int object) -> const LightTraits& {
+    return object < 0 ? plain : scene_->objects[static_cast<std::size_t>(object)].light;
+  };
+  switch (light.kind) {
+    case Kind::point:
+      return scene_->points[light.index].light;
+    case Kind::spot:
+      return scene_->spots[light.index].light;
+    case Kind::sun:
+      return scene_->suns[light.index].light;
+    case Kind::environment:
+      return scene_->environment.light;
+    case Kind::mesh:
+      return of_object(scene_->instances[light.index].object);
+    case Kind::sphere:
+      return of_object(scene_->spheres[light.index].object);
+  }
+  return plain;
 }
 
 LightSample Lights::sample_at(const Vec3& p, const Light& light, float pick, const Vec2& u) const {
@@ -228,34 +251,40 @@ float Lights::sphere_pdf(const Sphere& sphere, const Vec3& p, float distance2, f
   return cosine > 0 ? distance2 / (cosine * 4 * kPi * radius2) : 0.0f;
 }
 
-Color Lights::escaped(const Vec3& direction, float scattered) const {
-  Color sum = environment_.radiance(direction);
-  if (environment_pick_ >= 0 && scattered > 0) {
+Emitted Lights::from_environment(const Vertex& from, const Vec3& direction) const {
+  Color radiance = environment_.radiance(direction);
+  if (environment_pick_ >= 0 && from.pdf > 0) {
     const float probability = picks_.probability(static_cast<std::size_t>(environment_pick_));
-    sum *= power_heuristic(scattered, probability * environment_.pdf(direction));
+    radiance *= power_heuristic(from.pdf, probability * environment_.pdf(direction));
   }
-  for (const Sun& sun : suns_) {
-    // By the chord, for the cosines of nearly equal directions cancel: chord^2 = 2 versine.
-    const Vec3 chord = direction - sun.frame.z;
-    if (dot(chord, chord) > 2 * sun.versine) continue;
-    const float sampled = sun.probability / (2 * kPi * sun.versine);
-    sum += sun.radiance * (scattered > 0 ? power_heuristic(scattered, sampled) : 1.0f);
-  }
-  return sum;
+  return {radiance, &scene_->environment.light};
 }
 
-Color Lights::hit(const Vec3& p, const Vec3& direction, const Surface& s, float scattered) const {
-  const float cosine = -dot(direction, s.ng);
-  if (cosine < 0 && !materials_->double_sided(s.material)) return Color(0, 0, 0);
-  const Color emission = materials_->emission(s.material, s.uv);
-  if (!(scattered > 0)) return emission;
+bool Lights::covers(const Sun& sun, const Vec3& direction) {
+  // By the chord, for the cosines of nearly equal directions cancel: chord^2 = 2 versine.
+  const Vec3 chord = direction - sun.frame.z;
+  return dot(chord, chord) <= 2 * sun.versine;
+}
+
+Emitted Lights::from_sun(const Sun& sun, const Vertex& from) const {
+  const float sampled = sun.probability / (2 * kPi * sun.versine);
+  return {sun.radiance * (from.pdf > 0 ? power_heuristic(from.pdf, sampled) : 1.0f), sun.traits};
+}
+
+Emitted Lights::hit(const Vertex& from, const Vec3& direction, const Surface& s) const {
   const auto pick = static_cast<std::size_t>(s.light);
   const Light& light = lights_[pick];
-  const Vec3 way = s.position - p;
+  const LightTraits* traits_of_it = &traits(light);
+  const float cosine = -dot(direction, s.ng);
+  if (cosine < 0 && !materials_->double_sided(s.material)) return {Color(0, 0, 0), traits_of_it};
+  const Color emission = materials_->emission(s.material, s.uv);
+  if (!(from.pdf > 0)) return {emission, traits_of_it};
+  const Vec3 way = s.position - from.position;
   const float distance2 = dot(way, way), slant = std::abs(cosine);
-  const float pdf = light.kind == Kind::mesh ? mesh_pdf(light, distance2, slant)
-                                             : sphere_pdf(scene_->spheres[light.index], p, distance2, slant);
-  return emission * power_heuristic(scattered, pdf * picks_.probability(pick));
+  const float pdf = light.kind == Kind::mesh
+                        ? mesh_pdf(light, distance2, slant)
+                        : sphere_pdf(scene_->spheres[light.index], from.position, distance2, slant);
+  return {emission * power_heuristic(from.pdf, pdf * picks_.probability(pick)), traits_of_it};
 }
 
 }  // namespace tessera::tracer

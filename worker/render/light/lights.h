@@ -18,6 +18,19 @@ struct LightSample {
   bool delta;      // no other strategy can find this direction
   Color radiance{0, 0, 0};
   float pdf = 0;  // per steradian, or a probability if delta; 0: no sample
+  const LightTraits* traits = nullptr;
+};
+
+// Where a ray was scattered, for the weight of what it finds against sample() there.
+struct Vertex {
+  Vec3 position, normal;  // the surface point, and its shading normal on the side the path came from
+  float pdf = 0;          // density of the ray's direction; 0: a delta or camera ray
+};
+
+// Light at the end of a ray, weighted against sample() at the vertex the ray left.
+struct Emitted {
+  Color radiance{0, 0, 0};
+  const LightTraits* traits = nullptr;
 };
 
 class Lights {
@@ -32,14 +45,27 @@ class Lights {
   bool surfaces_emit() const { return surfaces_emit_; }
   bool sky_emits() const { return !environment_.black() || !suns_.empty(); }
 
-  // A light seen from p. `pick` chooses the light, `u` the point on it.
-  LightSample sample(const Vec3& p, float pick, const Vec2& u) const;
+  // A light seen from p, a point with the shading normal n. `pick` chooses the light, `u` the point on it.
+  LightSample sample(const Vec3& p, const Vec3& n, float pick, const Vec2& u) const;
 
-  // Radiance along a ray that was scattered at a surface with density `scattered` (0: a delta or camera ray)
-  // and hits nothing, weighted against sample(). Suns without extent cannot be hit.
-  Color escaped(const Vec3& direction, float scattered) const;
-  // The same for a ray from `p` that hits the emitting surface `s`.
-  Color hit(const Vec3& p, const Vec3& direction, const Surface& s, float scattered) const;
+  // What a scattered ray finds that hits nothing: calls collect(Emitted) for the environment and for each sun
+  // in that direction. Suns without extent cannot be hit.
+  template <typename Collect>
+  void escaped(const Vertex& from, const Vec3& direction, const Collect& collect) const {
+    if (!environment_.black()) collect(from_environment(from, direction));
+    for (const Sun& sun : suns_)
+      if (covers(sun, direction)) collect(from_sun(sun, from));
+  }
+  // The same for a camera ray: what stands behind everything is the scene's background.
+  template <typename Collect>
+  void backdrop(const Vec3& direction, const Collect& collect) const {
+    if (scene_->background.kind == Background::Kind::environment && !environment_.black())
+      collect(from_environment({}, direction));
+    for (const Sun& sun : suns_)
+      if (sun.camera && covers(sun, direction)) collect(from_sun(sun, {}));
+  }
+  // The same for a ray that hits the emitting surface `s`.
+  Emitted hit(const Vertex& from, const Vec3& direction, const Surface& s) const;
 
  private:
   enum class Kind { point, spot, sun, mesh, sphere, environment };
@@ -57,6 +83,8 @@ class Lights {
     float versine;  // 1 - cos(half angle)
     Color radiance;
     float probability;  // of being picked
+    bool camera;        // sees it
+    const LightTraits* traits;
   };
 
   void add(const Light& light, float power);
@@ -70,6 +98,10 @@ class Lights {
   LightSample sample_environment(const Vec2& u) const;
   LightSample sample_at(const Vec3& p, const Light&, float pick, const Vec2& u) const;
   LightSample towards(const Vec3& p, const Vec3& at, const Color& intensity) const;
+  Emitted from_environment(const Vertex&, const Vec3& direction) const;
+  Emitted from_sun(const Sun&, const Vertex&) const;
+  static bool covers(const Sun&, const Vec3& direction);
+  const LightTraits& traits(const Light&) const;
   float mesh_pdf(const Light&, float distance2, float cosine) const;
   float sphere_pdf(const Sphere&, const Vec3& p, float distance2, float cosine) const;
 
