@@ -76,13 +76,13 @@ void report(std::string_view what, double count, const Spent& s, int threads) {
 class RayBench {
  public:
   RayBench(const RenderScene& scene, const Options& o) : scene_(scene), options_(o) {
-    const CameraRays camera(scene.scene().cameras.front(), o.size);
+    const CameraRays camera(scene.scene(), scene.scene().cameras.front(), o.size, 0, 0);
     for (int y = 0; y < o.size.height; y += 4)
       for (int x = 0; x < o.size.width; x += 4) {
         Packet p;
         for (int lane = 0; lane < kLanes; ++lane) {
           const Ray r = camera.ray(static_cast<float>(x + lane % 4) + 0.5f,
-                                   static_cast<float>(y + lane / 4) + 0.5f, {});
+                                   static_cast<float>(y + lane / 4) + 0.5f, {}, 0);
           p.set(lane, r.origin, r.direction, std::numeric_limits<float>::infinity());
         }
         packets_.push_back(p);

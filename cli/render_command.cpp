@@ -67,11 +67,38 @@ void require_memory(const Job& job) {
                     needed / (1u << 30), there / (1u << 30)));
 }
 
-void write(const RenderOptions& o, const fs::path& file, const Job& job, const JobReport& report) {
-  const Provenance from{std::string(kVersion), fmt::format("{}", fmt::join(report.device_classes, "; ")),
-                        job.scene.hash, report.seconds, report.dropped};
-  write_exr(file, layered(job, report.image, from), o.compression);
-  write_png(fs::path(file).replace_extension(".png"), report.image.filtered, static_cast<float>(o.exposure));
+template <typename T>
+std::vector<std::string> names_of(const std::vector<T>& things) {
+  std::vector<std::string> names;
+  for (const T& t : things) names.push_back(t.name);
+  return names;
+}
+
+// The picture with its coverage, where the scene stands before nothing.
+Image preview(const Scene& scene, const ExrImage& exr) {
+  std::vector<float> data;
+  for (const char* channel : {"R", "G", "B", "A"}) {
+    if (*channel == 'A' && scene.background.kind != Background::Kind::transparent) continue;
+    const auto plane = exr.pixels.plane(exr.plane(channel));
+    data.insert(data.end(), plane.begin(), plane.end());
+  }
+  const int planes = static_cast<int>(data.size() / exr.pixels.plane(0).size());
+  return {exr.pixels.region(), planes, std::move(data)};
+}
+
+void write(const RenderOptions& o, const fs::path& file, const Job& job, const Scene& scene,
+           const JobReport& report) {
+  const Provenance from{.version = std::string(kVersion),
+                        .device = fmt::format("{}", fmt::join(report.device_classes, "; ")),
+                        .scene_hash = job.scene.hash,
+                        .seconds = report.seconds,
+                        .light_groups = scene.light_groups,
+                        .objects = names_of(scene.objects),
+                        .materials = names_of(scene.materials),
+                        .dropped = report.dropped};
+  const ExrImage image = layered(job, report.image, from);
+  write_exr(file, image, o.compression);
+  write_png(fs::path(file).replace_extension(".png"), preview(scene, image), static_cast<float>(o.exposure));
 }
 
 int exit_code(const Job& job, const JobReport& report) {
@@ -139,7 +166,8 @@ void require_foreign(const fs::path& file, const RenderOptions& o, const Scene& 
 }
 
 // The frame, by a farm in this process.
-JobReport run(const RenderOptions& o, const Job& job, LocalFarm& farm, UnderWay& under_way) {
+JobReport run(const RenderOptions& o, const Job& job, const Scene& scene, LocalFarm& farm,
+              UnderWay& under_way) {
   const ProgressStyle style = progress_style(o);
   ProgressDisplay display(style, style == ProgressStyle::bar ? stderr : stdout);
   const JobWatcher watcher{.progress = [&](const Progress& p) { display.show(p); },
@@ -147,7 +175,7 @@ JobReport run(const RenderOptions& o, const Job& job, LocalFarm& farm, UnderWay&
                            .snapshot =
                                [&](const JobReport& now) {
                                  try {
-                                   write(o, output_file(o), job, now);
+                                   write(o, output_file(o), job, scene, now);
                                  } catch (const Error& e) {
                                    spdlog::error("no snapshot: {}", e.what());  // the frame goes on
                                  }
@@ -169,14 +197,16 @@ int render_scene(const RenderOptions& o) {
   const auto scene = std::make_shared<const Scene>(load_scene(o.scene));
   for (const std::string& warning : scene->warnings) spdlog::warn("{}", warning);
   camera_index(*scene, o.camera);
+  variant_of(*scene, o.variant);
+  job.render.aovs = job.render.aovs | groups_of(o, scene->light_groups.size());
   require_foreign(file, o, *scene);
   job.scene.hash = content_hash(*scene);
 
   LocalFarm farm(scene, o.threads.value_or(usable_threads()), o.device);
-  const JobReport report = run(o, job, farm, under_way);
+  const JobReport report = run(o, job, *scene, farm, under_way);
   if (report.failure)
     throw Error(report.bad_input ? ExitCode::bad_input : ExitCode::job_failed, *report.failure);
-  write(o, file, job, report);
+  write(o, file, job, *scene, report);
   if (!o.quiet) summarise(job, report, file);
   return exit_code(job, report);
 }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>
@@ -19,6 +20,7 @@ namespace {
 constexpr std::array<std::pair<std::string_view, double>, 3> kTargets{
     {{"draft", 1e-2}, {"good", 2.5e-3}, {"final", 5e-4}}};
 constexpr int kMostThreads = 1024;
+constexpr std::string_view kLightGroups = "light_groups";
 constexpr std::array kProgress{"auto", "bar", "lines", "json", "openjd", "none"};
 constexpr std::array kLevels{"debug", "info", "warning", "error"};
 
@@ -35,22 +37,24 @@ std::optional<Number> number(std::string_view text) {
   return value;
 }
 
+std::string_view asked_as(const AovInfo& i) { return i.name.empty() ? i.letters : i.name; }
+
+std::string aov_names() {
+  std::string all;
+  for (int a = 1; a < static_cast<int>(Aov::light_group); ++a)
+    if (is_aov(a)) all += fmt::format("{}, ", asked_as(info(static_cast<Aov>(a))));
+  return all + std::string(kLightGroups);
+}
+
 AovSet parse_aovs(const std::vector<std::string>& names) {
   AovSet set;
-  std::string all;
-  for (int a = 1; a < kAovs; ++a) {
-    const AovInfo& i = info(static_cast<Aov>(a));
-    all += fmt::format("{}{}", a > 1 ? ", " : "", i.name.empty() ? i.channels : i.name);
-  }
   for (const std::string& name : names) {
-    bool found = false;
-    for (int a = 1; a < kAovs; ++a) {
-      const AovInfo& i = info(static_cast<Aov>(a));
-      if (name != (i.name.empty() ? i.channels : i.name)) continue;
-      set = set | AovSet{i.aov};
-      found = true;
-    }
-    if (!found) refuse("--aov", name, all);
+    if (name == kLightGroups) continue;  // as many as the scene has: see groups_of()
+    const auto is_it = [&](int a) { return is_aov(a) && name == asked_as(info(static_cast<Aov>(a))); };
+    int a = 1;
+    while (a < static_cast<int>(Aov::light_group) && !is_it(a)) ++a;
+    if (a == static_cast<int>(Aov::light_group)) refuse("--aov", name, aov_names());
+    set = set | AovSet{static_cast<Aov>(a)};
   }
   return set;
 }
@@ -113,6 +117,7 @@ void describe(CLI::App& app, RenderOptions& o) {
   app.add_option("--crop", o.crop, "Part of the frame to render: x0 y0 x1 y1, 0 to 1 from the top left")
       ->expected(4);
   app.add_option("--camera", o.camera, "Name of the camera [the scene's first]")->envname("TESSERA_CAMERA");
+  app.add_option("--variant", o.variant, "Name of the material variant [none]")->envname("TESSERA_VARIANT");
   app.add_option("--seed", o.seed, "Seed of all randomness")->envname("TESSERA_SEED")->capture_default_str();
   app.add_option("--frame", o.frame, "Frame number")->envname("TESSERA_FRAME")->capture_default_str();
   app.add_option("--max-bounces", o.max_bounces, "Scatterings after the first hit")
@@ -123,8 +128,22 @@ void describe(CLI::App& app, RenderOptions& o) {
                  "Tiles for filtering: N or WxH pixels; does not change the image")
       ->envname("TESSERA_TILE_SIZE")
       ->capture_default_str();
-  app.add_option("--aov", o.aovs, "More layers to write: direct, indirect, emission, albedo, N, P, Z")
-      ->delimiter(',');
+  app.add_option("--sure-bounces", o.sure_bounces,
+                 "Bounces before Russian roulette begins; as many as --max-bounces: none")
+      ->envname("TESSERA_SURE_BOUNCES")
+      ->capture_default_str();
+  app.add_option("--clamp-direct", o.clamp_direct, "Most that a light adds to a sample, 0: no limit; biased")
+      ->envname("TESSERA_CLAMP_DIRECT")
+      ->capture_default_str();
+  app.add_option("--clamp-indirect", o.clamp_indirect,
+                 "The same for light that came by more than one surface")
+      ->envname("TESSERA_CLAMP_INDIRECT")
+      ->capture_default_str();
+  app.add_option("--regularise", o.regularise,
+                 "Least GGX alpha of reflections seen by diffuse surfaces, 0: exact; biased, tames caustics")
+      ->envname("TESSERA_REGULARISE")
+      ->capture_default_str();
+  app.add_option("--aov", o.aovs, fmt::format("More layers to write: {}", aov_names()))->delimiter(',');
   app.add_option("--device", o.device, "OpenCL device: number or part of its name [first CPU]")
       ->envname("TESSERA_DEVICE");
   app.add_flag("--list-devices", o.list_devices, "List the OpenCL devices and end");
@@ -147,13 +166,25 @@ void describe(CLI::App& app, RenderOptions& o) {
       ->capture_default_str();
 }
 
+AovSet groups_of(const RenderOptions& o, std::size_t groups) {
+  AovSet set;
+  if (std::find(o.aovs.begin(), o.aovs.end(), kLightGroups) == o.aovs.end()) return set;
+  for (std::size_t g = 0; g < groups; ++g) set = set | AovSet{light_group_aov(static_cast<int>(g))};
+  return set;
+}
+
 Job job_of(const RenderOptions& o) {
   Job job;
   job.scene.path = o.scene;
   job.render.size = {o.width, o.height};
   job.render.seed = o.seed;
   job.render.max_bounces = o.max_bounces;
+  job.render.sure_bounces = o.sure_bounces;
+  job.render.clamp_direct = static_cast<float>(o.clamp_direct);
+  job.render.clamp_indirect = static_cast<float>(o.clamp_indirect);
+  job.render.regularise = static_cast<float>(o.regularise);
   job.render.camera = o.camera;
+  job.render.variant = o.variant;
   job.filter = parse_filter(o.filter);
   job.render.aovs = AovSet{Aov::color} | parse_aovs(o.aovs);
   job.frame = o.frame;

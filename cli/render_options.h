@@ -22,10 +22,12 @@ struct RenderOptions {
   std::string filter = "svgf";
   int width = 960, height = 540;
   std::vector<double> crop;  // x0 y0 x1 y1, 0..1 from the top left
-  std::string camera;
+  std::string camera, variant;
   std::uint64_t seed = 0;
   int frame = 0;
   int max_bounces = 8;
+  int sure_bounces = 2;
+  double clamp_direct = 0, clamp_indirect = 0, regularise = 0;
   std::optional<int> threads;  // none: what this process may use
   std::string tile_size = "256";
   std::vector<std::string> aovs;
@@ -43,6 +45,9 @@ void describe(CLI::App&, RenderOptions&);
 
 // The job without its scene's hash. Throws Error(bad_usage) naming the option and what it takes.
 Job job_of(const RenderOptions&);
+
+// The AOVs of the scene's light groups, if they are asked for.
+AovSet groups_of(const RenderOptions&, std::size_t groups);
 
 // "relmse=0.0025", "0.0025", "draft" (1e-2), "good" (2.5e-3), "final" (5e-4).
 double parse_target(const std::string& text);

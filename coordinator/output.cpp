@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/cryptomatte.h"
+
 namespace tessera {
 namespace {
 
@@ -59,12 +61,61 @@ Image error_map(const FrameImage& frame) {
   return map;
 }
 
-void add_guides(Layers& layers, const FrameImage& frame) {
-  for (int a = 1; a < kAovs; ++a) {
-    const AovInfo& i = info(static_cast<Aov>(a));
-    if (!frame.layout.aovs().has(i.aov)) continue;
-    const bool half = i.aov != Aov::depth && i.aov != Aov::position;
-    layers.add(i.name, i.channels, developed(frame.sums, frame.layout, channels_of(i.aov), Part::all), half);
+std::string layer_name(Aov a, const Provenance& from) {
+  const int group = static_cast<int>(a) - static_cast<int>(Aov::light_group);
+  if (group < 0) return std::string(info(a).name);
+  const auto g = static_cast<std::size_t>(group);
+  return g < from.light_groups.size() ? "light_" + from.light_groups[g] : std::string(info(a).name);
+}
+
+// Ranks two to a layer: CryptoObject00.R,G,B,A is id, coverage, id, coverage.
+void add_matte(Layers& layers, const FrameImage& frame, Aov aov, const std::vector<std::string>& names) {
+  const std::string name(info(aov).name);
+  const Image ranks = matte(frame.sums, frame.layout, aov);
+  for (int p = 0; p < ranks.planes(); ++p)
+    layers.add(fmt::format("{}{:02}.{}", name, p / 4, "RGBA"[p % 4]), ranks.plane(p), false);
+  for (auto& [key, text] : matte_metadata(name, names)) layers.exr().metadata[key] = text;
+}
+
+// Colours fit in halves; places, distances, numbers and statistics do not.
+bool fits_half(Aov a, Statistic statistic) {
+  const std::string_view letters = info(a).letters;
+  return statistic == Statistic::mean && (letters == "RGB" || a == Aov::normal || a == Aov::bounce);
+}
+
+void add_statistic(Layers& layers, const FrameImage& frame, Aov a, const std::string& name,
+                   Statistic statistic, Part part = Part::all) {
+  const std::vector<Channel> channels = channels_of(a, statistic);
+  const Image image = developed(frame.sums, frame.layout, channels, part);
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    const std::string channel = channel_name(a, static_cast<int>(c));
+    layers.add(name.empty() ? channel : fmt::format("{}.{}", name, channel), image.plane(static_cast<int>(c)),
+               fits_half(a, statistic));
+  }
+}
+
+void add_guide(Layers& layers, const FrameImage& frame, Aov a, const std::string& name) {
+  if (info(a).reduction == Reduction::per_sample) {
+    add_statistic(layers, frame, a, name + "_even", Statistic::mean, Part::a);
+    return add_statistic(layers, frame, a, name + "_odd", Statistic::mean, Part::b);
+  }
+  add_statistic(layers, frame, a, name, Statistic::mean);
+  const int moments = frame.layout.moments(a);
+  const std::string base = a == Aov::depth ? "depth" : name;
+  const bool known = a == Aov::direct || a == Aov::indirect;  // their squares serve the filters alone
+  if (moments >= 2 && !known)
+    add_statistic(layers, frame, a, base + "_variance", Statistic::variance_of_mean);
+  if (moments >= 3) add_statistic(layers, frame, a, base + "_third", Statistic::third_moment);
+}
+
+void add_guides(Layers& layers, const FrameImage& frame, const Provenance& from) {
+  for (int i = 1; i < kAovs; ++i) {
+    const auto a = static_cast<Aov>(i);
+    if (!is_aov(i) || !frame.layout.aovs().has(a)) continue;
+    if (info(a).reduction == Reduction::ranks)
+      add_matte(layers, frame, a, a == Aov::object_matte ? from.objects : from.materials);
+    else
+      add_guide(layers, frame, a, layer_name(a, from));
   }
 }
 
@@ -81,6 +132,11 @@ void add_metadata(ExrImage& exr, const Job& job, const FrameImage& frame, const 
   m["tessera/filter"] = to_string(job.filter);
   m["tessera/seed"] = fmt::format("{}", job.render.seed);
   m["tessera/frame"] = job.frame;
+  const RenderSettings& r = job.render;
+  if (!r.variant.empty()) m["tessera/variant"] = r.variant;
+  if (r.clamp_direct > 0) m["tessera/clamp_direct"] = r.clamp_direct;
+  if (r.clamp_indirect > 0) m["tessera/clamp_indirect"] = r.clamp_indirect;
+  if (r.regularise > 0) m["tessera/regularise"] = r.regularise;
   m["tessera/tile"] = fmt::format("{}x{}", job.tile.width, job.tile.height);
   m["tessera/device"] = from.device;
   m["tessera/seconds"] = static_cast<float>(from.seconds);
@@ -105,7 +161,7 @@ ExrImage layered(const Job& job, const FrameImage& frame, const Provenance& from
       false);
   layers.add("samples.Y", samples.plane(0), false);
   layers.add("error.Y", error_map(frame).plane(0), false);
-  add_guides(layers, frame);
+  add_guides(layers, frame, from);
   add_metadata(layers.exr(), job, frame, from, samples);
   return std::move(layers).finished();
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "coordinator/frame.h"
 #include "core/exr.h"
@@ -13,11 +14,14 @@ namespace tessera {
 struct Provenance {
   std::string version, device, scene_hash;
   double seconds = 0;
-  std::uint64_t dropped = 0;  // samples that were not finite
+  std::vector<std::string> light_groups = {}, objects = {}, materials = {};  // names that layers speak of
+  std::uint64_t dropped = 0;                                                 // samples that were not finite
 };
 
 // Layers: R,G,B,A (filtered); noisy.*, variance.* (of the noisy mean); samples.Y; error.Y (relMSE of the
-// pixel's cell); and every AOV the film holds under its own name. Metadata under tessera/.
+// pixel's cell); and every AOV the film holds under its own name: means (in half, where they are colours),
+// and of those with squares the variance of the mean as name_variance.*; light groups under their names;
+// mattes as Cryptomatte. Metadata under tessera/.
 ExrImage layered(const Job&, const FrameImage&, const Provenance&);
 
 // One sentence on what stopped the frame and what was achieved.

@@ -6,6 +6,8 @@
 #include <functional>
 #include <vector>
 
+#include "core/ranks.h"
+
 namespace tessera {
 namespace {
 
@@ -32,34 +34,95 @@ void variance_of_mean(Plane sum, Plane square, Plane count, std::span<float> to)
   }
 }
 
+// The mean cube of the distances from the mean, by the moments about 0.
+void third_moment(Plane sum, Plane square, Plane cube, Plane count, std::span<float> to) {
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    const double n = count[i];
+    const double m = sum[i] / n, m2 = square[i] / n, m3 = cube[i] / n;
+    to[i] = n > 0 ? static_cast<float>(m3 - 3 * m * m2 + 2 * m * m * m) : 0.0f;
+  }
+}
+
+// Adds `part`, an image of planes laid out as those of `to`, where it lies. Lists of ranks are merged.
+void add(const Image& part, Image& to, const FilmLayout& layout) {
+  const Region& r = part.region();
+  const auto offset = static_cast<std::size_t>(r.x0 - to.region().x0);
+  std::vector<bool> ranked(static_cast<std::size_t>(to.planes()));
+  for (const int list : layout.rank_lists()) {
+    for (int k = 0; k < 2 * kMatteRanks; ++k) ranked[static_cast<std::size_t>(list + 2 * k)] = true;
+    const std::size_t stride = 2 * part.plane(0).size(), stride_to = 2 * to.plane(0).size();
+    for (int y = r.y0; y < r.y1; ++y) {
+      const float* from = part.row(list, y).data();
+      float* at = to.row(list, y).data() + offset;
+      for (int x = 0; x < r.width(); ++x)
+        store_ranks(merged(load_ranks(at + x, stride_to), load_ranks(from + x, stride)), at + x, stride_to);
+    }
+  }
+  for (int p = 0; p < to.planes(); ++p) {
+    if (ranked[static_cast<std::size_t>(p)]) continue;
+    for (int y = r.y0; y < r.y1; ++y) {
+      const auto from = part.row(p, y);
+      const auto at = to.row(p, y).subspan(offset, static_cast<std::size_t>(r.width()));
+      for (std::size_t x = 0; x < at.size(); ++x) at[x] += from[x];
+    }
+  }
+}
+
 }  // namespace
 
-void join(Block& a, const Block& b) {
+void join(Block& a, const Block& b, const FilmLayout& layout) {
   assert(are_siblings(a.samples, b.samples) && a.sums.region() == b.sums.region());
-  const auto from = b.sums.data();
-  const auto to = a.sums.data();
-  for (std::size_t i = 0; i < to.size(); ++i) to[i] += from[i];
+  add(b.sums, a.sums, layout);
   a.samples.end = b.samples.end;
 }
 
 Image developed(const Image& sums, const FilmLayout& layout, std::span<const Channel> channels, Part part) {
   Image out(sums.region(), static_cast<int>(channels.size()));
   const auto scratch = [&] { return std::vector<float>(static_cast<std::size_t>(sums.region().area())); };
-  std::vector<float> count = scratch(), hits = scratch(), sum = scratch(), square = scratch();
+  std::vector<float> count = scratch(), hits = scratch(), sum = scratch(), square = scratch(),
+                     cube = scratch();
   take(sums, FilmLayout::count(Half::a), part, count);
   take(sums, FilmLayout::hits(Half::a), part, hits);
   for (std::size_t k = 0; k < channels.size(); ++k) {
     const Channel& c = channels[k];
     const auto to = out.plane(static_cast<int>(k));
-    take(sums, layout.sum(c.aov, c.index, Half::a), part, sum);
-    if (c.statistic == Statistic::variance_of_mean) {
-      take(sums, layout.square(c.aov, c.index, Half::a), part, square);
-      variance_of_mean(sum, square, count, to);
-    } else if (c.aov == Aov::depth) {
-      mean(sum, hits, kSkyDepth, to);
-    } else {
-      mean(sum, count, 0.0f, to);
+    const auto power = [&](int n, std::vector<float>& at) {
+      take(sums, layout.sum(c.aov, c.index, Half::a, n), part, at);
+    };
+    const Plane n = c.aov == Aov::depth ? hits : count;
+    const Reduction reduction = info(c.aov).reduction;
+    assert(reduction != Reduction::ranks && (reduction != Reduction::per_sample || part != Part::all));
+    if (reduction == Reduction::point) {
+      take(sums, layout.sum(c.aov, c.index, Half::a), Part::all, to);
+      continue;
     }
+    power(1, sum);
+    if (c.statistic != Statistic::mean) power(2, square);
+    if (reduction == Reduction::per_sample) {
+      std::ranges::copy(sum, to.begin());
+    } else if (c.statistic == Statistic::variance_of_mean) {
+      variance_of_mean(sum, square, n, to);
+    } else if (c.statistic == Statistic::third_moment) {
+      power(3, cube);
+      third_moment(sum, square, cube, n, to);
+    } else {
+      mean(sum, n, c.aov == Aov::depth ? kSkyDepth : 0.0f, to);
+    }
+  }
+  return out;
+}
+
+Image matte(const Image& sums, const FilmLayout& layout, Aov aov) {
+  Image out(sums.region(), 2 * kMatteRanks);
+  const std::size_t area = sums.plane(0).size();
+  for (std::size_t i = 0; i < area; ++i) {
+    const auto list = [&](Half h) {
+      return load_ranks(sums.plane(layout.sum(aov, 0, h)).data() + i, 2 * area);
+    };
+    RankList all = merged(list(Half::a), list(Half::b));
+    const float n = sums.plane(FilmLayout::count(Half::a))[i] + sums.plane(FilmLayout::count(Half::b))[i];
+    for (Rank& r : all) r.samples = n > 0 ? r.samples / n : 0;
+    store_ranks(all, out.plane(0).data() + i, area);
   }
   return out;
 }
@@ -97,7 +160,7 @@ bool Film::fold(Block block) {
     Block partner = std::move(other->second);
     pending_.erase(other);
     if (partner.samples.begin > block.samples.begin) std::swap(partner, block);
-    join(partner, block);
+    join(partner, block, layout_);
     block = std::move(partner);
   }
   const std::pair key{area, block.samples};
@@ -107,12 +170,7 @@ bool Film::fold(Block block) {
 
 void Film::add(const Block& block) {
   const Region& r = block.sums.region();
-  for (int p = 0; p < sums_.planes(); ++p)
-    for (int y = r.y0; y < r.y1; ++y) {
-      const auto from = block.sums.row(p, y);
-      const auto to = sums_.row(p, y).subspan(r.x0 - region().x0, r.width());
-      for (int x = 0; x < r.width(); ++x) to[x] += from[x];
-    }
+  tessera::add(block.sums, sums_, layout_);
   for (int y = r.y0; y < r.y1; ++y)
     std::fill_n(counts_.begin() + index(r.x0, y), r.width(), block.samples.end);
 }

@@ -17,15 +17,21 @@ struct Block {
   Image sums;
 };
 
-// a's range must be directly followed by b's, its sibling. Adds b to a; a then spans both.
-void join(Block& a, const Block& b);
+// a's range must be directly followed by b's, its sibling. Adds b to a; a then spans both. Their planes are
+// those of `layout`.
+void join(Block& a, const Block& b, const FilmLayout& layout);
 
 // The halves of a pixel, or both together.
 enum class Part : std::uint8_t { a, b, all };
 
 // The statistics of `part` of the film sums `sums` (laid out by `layout`), one plane per channel asked for.
-// A pixel without valid samples is 0 in every channel, and kSkyDepth deep.
+// A pixel without valid samples is 0 in every channel, and kSkyDepth deep. Planes of single samples come as
+// they are, for the one of both halves that is asked for; ranks do not come at all, but from matte().
 Image developed(const Image& sums, const FilmLayout& layout, std::span<const Channel> channels, Part part);
+
+// The Cryptomatte ranks of both halves together: id, coverage (0..1), id, coverage, ...; 2 * kMatteRanks
+// planes.
+Image matte(const Image& sums, const FilmLayout& layout, Aov);
 
 // Sums of one frame. Folding is exactly-once by construction: a block that is already in is refused.
 class Film {

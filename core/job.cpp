@@ -56,6 +56,10 @@ void validate(const Job& job) {
   require_range(size.width, 1, kMaxEdge, "width");
   require_range(size.height, 1, kMaxEdge, "height");
   require_range(job.render.max_bounces, 0, kMaxBounces, "max_bounces");
+  require_range(job.render.sure_bounces, 0, kMaxBounces, "sure_bounces");
+  require_range(job.render.clamp_direct, 0, 1e30, "clamp_direct");
+  require_range(job.render.clamp_indirect, 0, 1e30, "clamp_indirect");
+  require_range(job.render.regularise, 0, 1, "regularise");
   require_range(job.tile.width, 1, kMaxEdge, "tile width");
   require_range(job.tile.height, 1, kMaxEdge, "tile height");
   require_range(job.task_samples, 1, 1 << 30, "task_samples");
@@ -65,6 +69,8 @@ void validate(const Job& job) {
             fmt::format("{} {} {} {}", job.crop->x0, job.crop->y0, job.crop->x1, job.crop->y1),
             "a region with pixels inside the frame");
   require(job.render.camera.size() <= kMaxName, "camera", "a name too long",
+          fmt::format("{} bytes", kMaxName));
+  require(job.render.variant.size() <= kMaxName, "variant", "a name too long",
           fmt::format("{} bytes", kMaxName));
   validate(job.filter);
   validate(job.acceptance);

@@ -28,8 +28,15 @@ struct SceneRef {
 struct RenderSettings {
   Size size{960, 540};  // pixels of the whole frame
   std::uint64_t seed = 0;
-  int max_bounces = 8;  // scatterings after the first hit; 0 = direct light only
-  std::string camera;   // name; empty = the scene's first
+  int max_bounces = 8;   // scatterings after the first hit; 0 = direct light only
+  int sure_bounces = 2;  // before Russian roulette begins; max_bounces: never
+  std::string camera;    // name; empty = the scene's first
+  std::string variant;   // of the scene's materials; empty = as the meshes say
+  // Each light's share of a sample is scaled down until no channel exceeds this; 0: never. Biased.
+  float clamp_direct = 0, clamp_indirect = 0;
+  // After a path's first scattering that is no mirror, lobes of a smaller GGX alpha get this one; 0: never.
+  // Biased (Kaplanyan and Dachsbacher 2013).
+  float regularise = 0;
   AovSet aovs{Aov::color};
   bool operator==(const RenderSettings&) const = default;
 };

@@ -42,15 +42,28 @@ Rgb heat(float t) {
   return c;
 }
 
-std::vector<unsigned char> bytes_of(const Image& image, float exposure) {
-  const Image shown = displayed(image, exposure);
-  const std::size_t area = shown.plane(0).size();
-  std::vector<unsigned char> bytes(area * 3);
+unsigned char byte(float v) { return std::isnan(v) ? 0 : static_cast<unsigned char>(v * 255.0f + 0.5f); }
+
+// PNG's colours are not multiplied by their alpha.
+Image without_alpha(const Image& image) {
+  Image colors(image.region(), 3);
   for (int c = 0; c < 3; ++c)
-    for (std::size_t i = 0; i < area; ++i) {
-      const float v = shown.plane(c)[i];
-      bytes[3 * i + c] = std::isnan(v) ? 0 : static_cast<unsigned char>(v * 255.0f + 0.5f);
+    for (std::size_t i = 0; i < colors.plane(c).size(); ++i) {
+      const float alpha = image.planes() > 3 ? image.plane(3)[i] : 1.0f;
+      colors.plane(c)[i] = alpha > 0 ? image.plane(c)[i] / alpha : 0.0f;
     }
+  return colors;
+}
+
+std::vector<unsigned char> bytes_of(const Image& image, int channels, float exposure) {
+  const Image shown = displayed(without_alpha(image), exposure);
+  const std::size_t area = shown.plane(0).size(), n = static_cast<std::size_t>(channels);
+  std::vector<unsigned char> bytes(area * n);
+  for (int c = 0; c < 3; ++c)
+    for (std::size_t i = 0; i < area; ++i)
+      bytes[n * i + static_cast<std::size_t>(c)] = byte(shown.plane(c)[i]);
+  for (std::size_t i = 0; channels == 4 && i < area; ++i)
+    bytes[n * i + 3] = byte(std::clamp(image.plane(3)[i], 0.0f, 1.0f));
   return bytes;
 }
 
@@ -61,8 +74,10 @@ void write_png(const std::filesystem::path& file, const Image& image, float expo
   const auto fail = [&](const std::string& why) {
     throw InputError(file.string(), "cannot be written: " + why, "a writable folder");
   };
-  const std::vector<unsigned char> bytes = bytes_of(image, exposure);
-  OIIO::ImageSpec spec(image.region().width(), image.region().height(), 3, OIIO::TypeDesc::UINT8);
+  const int channels = image.planes() > 3 ? 4 : 3;
+  const std::vector<unsigned char> bytes = bytes_of(image, channels, exposure);
+  OIIO::ImageSpec spec(image.region().width(), image.region().height(), channels, OIIO::TypeDesc::UINT8);
+  spec.attribute("oiio:UnassociatedAlpha", 1);
   spec.attribute("oiio:ColorSpace", "sRGB");
   PendingFile pending(file);
   const auto out = OIIO::ImageOutput::create("png");

@@ -9,8 +9,8 @@
 
 namespace tessera {
 
-// Planes 0..2 as RGB, times 2^exposure, clipped, sRGB; NaN is black. Written beside and renamed. Throws
-// InputError for a place that cannot be written.
+// Planes 0..2 as RGB, times 2^exposure, clipped, sRGB; NaN is black. A plane 3 is the alpha by which the
+// colours are multiplied. Written beside and renamed. Throws InputError for a place that cannot be written.
 void write_png(const std::filesystem::path& file, const Image&, float exposure = 0.0f);
 
 // Plane 0 through a perceptually even colour map (black-purple-orange-yellow), `low` to `high`, as linear

@@ -16,7 +16,7 @@ namespace tessera {
 using WorkerId = std::string;  // chosen by the worker, new each time it starts; 1..64 printable characters
 using Attempt = std::uint32_t;
 
-inline constexpr int kProtocolVersion = 1;
+inline constexpr int kProtocolVersion = 2;
 
 // Worker to coordinator.
 struct Hello {

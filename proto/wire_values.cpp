@@ -33,12 +33,30 @@ Region region_from(const wire::Region& w, std::string_view field) {
 Size size_from(const wire::Size& w) { return {w.width(), w.height()}; }
 
 RenderSettings render_from(const wire::RenderSettings& w) {
-  require(w.aovs() < (1u << kAovs), "aovs", "unknown channel group");
+  require((w.aovs() & ~AovSet::all().bits()) == 0, "aovs", "unknown channel group");
   return {.size = size_from(w.size()),
           .seed = w.seed(),
           .max_bounces = w.max_bounces(),
+          .sure_bounces = w.sure_bounces(),
           .camera = text_from(w.camera(), kMaxName, "camera"),
+          .variant = text_from(w.variant(), kMaxName, "variant"),
+          .clamp_direct = w.clamp_direct(),
+          .clamp_indirect = w.clamp_indirect(),
+          .regularise = w.regularise(),
           .aovs = AovSet::from_bits(w.aovs())};
+}
+
+void to_wire(const RenderSettings& s, wire::RenderSettings& w) {
+  to_wire(s.size, *w.mutable_size());
+  w.set_seed(s.seed);
+  w.set_max_bounces(s.max_bounces);
+  w.set_sure_bounces(s.sure_bounces);
+  w.set_camera(s.camera);
+  w.set_variant(s.variant);
+  w.set_clamp_direct(s.clamp_direct);
+  w.set_clamp_indirect(s.clamp_indirect);
+  w.set_regularise(s.regularise);
+  w.set_aovs(s.aovs.bits());
 }
 
 FilterPlan filter_from(const wire::FilterPlan& w) {
@@ -84,11 +102,7 @@ void to_wire(const FilterTask& t, wire::FilterTask& w) {
 void to_wire(const Job& job, wire::Job& w) {
   w.mutable_scene()->set_path(job.scene.path);
   w.mutable_scene()->set_hash(job.scene.hash);
-  to_wire(job.render.size, *w.mutable_render()->mutable_size());
-  w.mutable_render()->set_seed(job.render.seed);
-  w.mutable_render()->set_max_bounces(job.render.max_bounces);
-  w.mutable_render()->set_camera(job.render.camera);
-  w.mutable_render()->set_aovs(job.render.aovs.bits());
+  to_wire(job.render, *w.mutable_render());
   w.set_frame(job.frame);
   if (job.crop) to_wire(*job.crop, *w.mutable_crop());
   w.mutable_filter()->set_name(job.filter.name);

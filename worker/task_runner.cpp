@@ -15,7 +15,7 @@ namespace {
 class StandardRunner : public TaskRunner {
  public:
   StandardRunner(SceneSource source, std::unique_ptr<Device> device, std::size_t scenes_kept)
-      : source_(std::move(source)), device_(std::move(device)), scenes_(scenes_kept) {}
+      : source_(std::move(source)), device_(std::move(device)), scenes_(scenes_kept), ready_(scenes_kept) {}
 
   TaskResult run(const Job& job, const Task& task, const Image& input,
                  const std::atomic<bool>& cancel) override {
@@ -25,7 +25,9 @@ class StandardRunner : public TaskRunner {
 
  private:
   TaskResult run(const Job& job, const RenderTask& work, const std::atomic<bool>& cancel) {
-    const auto scene = scenes_.find_or_make(job.scene.hash, [&] { return prepare(source_(job.scene)); });
+    const auto loaded = scenes_.find_or_make(job.scene.hash, [&] { return source_(job.scene); });
+    const auto scene = ready_.find_or_make(job.scene.hash + ' ' + preparation(*loaded, job.render, job.frame),
+                                           [&] { return prepare(loaded, job.render, job.frame); });
     RenderSettings settings = job.render;
     settings.aovs = film_aovs(job);
     RenderDone done{.block = render(*scene, settings, job.frame, work.region, work.samples, &cancel)};
@@ -43,7 +45,8 @@ class StandardRunner : public TaskRunner {
 
   SceneSource source_;
   std::unique_ptr<Device> device_;  // shared by the slots
-  LatestCache<RenderScene> scenes_;
+  LatestCache<Scene> scenes_;       // by content hash
+  LatestCache<RenderScene> ready_;  // by content hash and preparation
 };
 
 // What this binary was compiled for, and what Embree and OpenCL compile for.

@@ -43,14 +43,29 @@ Scene load_scene(const std::filesystem::path& file) {
 
 std::string_view scene_schema() { return embedded_schema::scene_schema_json; }
 
+namespace {
+
+template <typename T>
+std::size_t index_of(const std::vector<T>& things, std::string_view kind, std::string_view name,
+                     const std::string& scene) {
+  std::vector<std::string_view> names;
+  for (const T& t : things) {
+    if (t.name == name) return names.size();
+    names.push_back(t.name);
+  }
+  throw InputError(scene, unknown(kind, name, names), listed(names));
+}
+
+}  // namespace
+
 int camera_index(const Scene& scene, std::string_view name) {
   if (name.empty()) return 0;
-  std::vector<std::string_view> names;
-  for (const Camera& camera : scene.cameras) {
-    if (camera.name == name) return static_cast<int>(names.size());
-    names.push_back(camera.name);
-  }
-  throw InputError(scene.name, unknown("camera", name, names), listed(names));
+  return static_cast<int>(index_of(scene.cameras, "camera", name, scene.name));
+}
+
+const Variant* variant_of(const Scene& scene, std::string_view name) {
+  if (name.empty()) return nullptr;
+  return &scene.variants[index_of(scene.variants, "variant", name, scene.name)];
 }
 
 }  // namespace tessera

@@ -26,4 +26,7 @@ std::string_view scene_schema();
 // are.
 int camera_index(const Scene&, std::string_view name);
 
+// The variant of that name, or null if `name` is empty. Throws InputError listing the variants there are.
+const Variant* variant_of(const Scene&, std::string_view name);
+
 }  // namespace tessera

@@ -41,7 +41,7 @@ Block rendered(const RenderTask& task, const FilmLayout& layout, float noise) {
   if (task.samples.count() == kLeafSamples) return leaf(task.region, task.samples.begin, layout, noise);
   const int middle = task.samples.begin + task.samples.count() / 2;
   Block block = rendered({task.region, {task.samples.begin, middle}}, layout, noise);
-  join(block, rendered({task.region, {middle, task.samples.end}}, layout, noise));
+  join(block, rendered({task.region, {middle, task.samples.end}}, layout, noise), layout);
   return block;
 }
 

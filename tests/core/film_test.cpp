@@ -23,18 +23,18 @@ Block leaf(const Region& region, int begin, int planes) {
   return block;
 }
 
-Block node(const Region& region, const SampleRange& samples, int planes) {
-  if (samples.count() == kLeafSamples) return leaf(region, samples.begin, planes);
+Block node(const Region& region, const SampleRange& samples, const FilmLayout& layout) {
+  if (samples.count() == kLeafSamples) return leaf(region, samples.begin, layout.planes());
   const int middle = samples.begin + samples.count() / 2;
-  Block block = node(region, {samples.begin, middle}, planes);
-  join(block, node(region, {middle, samples.end}, planes));
+  Block block = node(region, {samples.begin, middle}, layout);
+  join(block, node(region, {middle, samples.end}, layout), layout);
   return block;
 }
 
 TEST(Film, HoldsTheSameBitsHoweverTheWorkWasCutAndInWhateverOrderItArrives) {
   const AovSet aovs{Aov::color, Aov::depth};
-  const int planes = FilmLayout(aovs).planes();
-  const Block whole = node(kFrame, {0, 64}, planes);
+  const FilmLayout layout(aovs);
+  const Block whole = node(kFrame, {0, 64}, layout);
   for (unsigned seed = 0; seed < 200; ++seed) {
     std::mt19937 random(seed);
     std::vector<Block> blocks;
@@ -42,7 +42,7 @@ TEST(Film, HoldsTheSameBitsHoweverTheWorkWasCutAndInWhateverOrderItArrives) {
          grid_cells(kFrame, {1 + static_cast<int>(random() % 7), 1 + static_cast<int>(random() % 5)}))
       for (int n = 0; n < 64; n = n == 0 ? 16 : 2 * n)
         for (const SampleRange& s : dyadic_blocks({n, n == 0 ? 16 : 2 * n}, 8 << random() % 4))
-          blocks.push_back(node(piece, s, planes));
+          blocks.push_back(node(piece, s, layout));
     std::shuffle(blocks.begin(), blocks.end(), random);
     Film film(kFrame, aovs);
     for (const Block& block : blocks) {
@@ -57,13 +57,13 @@ TEST(Film, HoldsTheSameBitsHoweverTheWorkWasCutAndInWhateverOrderItArrives) {
 
 TEST(Film, ABlockThatOverlapsAPendingOneIsRefused) {
   Film film(kFrame, {Aov::color});
-  const int planes = film.layout().planes();
-  EXPECT_TRUE(film.fold(node(kFrame, {0, 16}, planes)));
-  EXPECT_TRUE(film.fold(node(kFrame, {24, 32}, planes)));
+  const FilmLayout& layout = film.layout();
+  EXPECT_TRUE(film.fold(node(kFrame, {0, 16}, layout)));
+  EXPECT_TRUE(film.fold(node(kFrame, {24, 32}, layout)));
   EXPECT_FALSE(film.settled());
-  EXPECT_FALSE(film.fold(node(kFrame, {16, 32}, planes)));
+  EXPECT_FALSE(film.fold(node(kFrame, {16, 32}, layout)));
   EXPECT_TRUE(film.covers(kFrame, 16));
-  EXPECT_TRUE(film.fold(node(kFrame, {16, 24}, planes)));
+  EXPECT_TRUE(film.fold(node(kFrame, {16, 24}, layout)));
   EXPECT_TRUE(film.covers(kFrame, 32));
 }
 

@@ -180,7 +180,7 @@ TEST(Codec, AJobThatIsNoneIsRefused) {
   EXPECT_THAT(refused([](Job& j) { j.render.size.width = 0; }), HasSubstr("width"));
   EXPECT_THAT(refused([](Job& j) { j.render.size.height = 1 << 20; }), HasSubstr("height"));
   EXPECT_THAT(refused([](Job& j) { j.render.max_bounces = -1; }), HasSubstr("max_bounces"));
-  EXPECT_THAT(refused([](Job& j) { j.render.aovs = AovSet::from_bits(1u << kAovs); }), HasSubstr("aovs"));
+  EXPECT_THAT(refused([](Job& j) { j.render.aovs = AovSet::from_bits(std::uint64_t{1} << kAovs); }), HasSubstr("aovs"));
   EXPECT_THAT(refused([](Job& j) { j.crop = Region{0, 0, 700, 1}; }), HasSubstr("crop"));
   EXPECT_THAT(refused([&](Job& j) { j.acceptance.relmse = nan; }), HasSubstr("relmse"));
   EXPECT_THAT(refused([](Job& j) { j.acceptance.max_samples = 100; }), HasSubstr("max_samples"));

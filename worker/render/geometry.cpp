@@ -105,7 +105,7 @@ Surface Geometry::sphere_surface(const Hit& hit, const Vec3& point) const {
   return s;
 }
 
-Surface Geometry::surface(const Hit& hit, const Vec3& origin, const Vec3& direction, float distance) const {
+Surface Geometry::surface(const Hit& hit, const Vec3& origin, const Vec3& direction, float distance, float) const {
   const Piece& piece = pieces[hit.piece];
   if (!piece.mesh) return sphere_surface(hit, origin + direction * distance);
   const Triangle t = triangle(hit.piece, hit.primitive);

@@ -17,6 +17,9 @@ struct Hit {
   float u, v;               // barycentric, of the triangle's second and third corner
 };
 
+// The rays that may see a thing, as bits; those of Object.
+enum class RayKind : std::uint8_t { camera, scattered, shadow };
+
 // A mesh in the world, or (with `mesh` null) all spheres of the scene.
 struct Piece {
   const Mesh* mesh = nullptr;
@@ -50,7 +53,15 @@ class Geometry {
   const Scene& scene() const { return *scene_; }
   std::size_t sphere_piece() const { return pieces.size() - 1; }
 
-  Surface surface(const Hit& hit, const Vec3& origin, const Vec3& direction, float distance) const;
+  Surface surface(const Hit& hit, const Vec3& origin, const Vec3& direction, float distance,
+                  float time = 0) const;
+  int object(const Hit& hit) const {
+    return pieces[hit.piece].mesh ? scene_->instances[hit.piece].object
+                                  : scene_->spheres[hit.primitive].object;
+  }
+  Matrix to_world(std::uint32_t piece, float) const { return pieces[piece].to_world; }
+  Matrix to_world_at(std::uint32_t piece, double) const { return pieces[piece].to_world; }
+  std::size_t steps(std::uint32_t) const { return 1; }
   int material(const Hit& hit) const {
     const Mesh* mesh = pieces[hit.piece].mesh;
     return mesh ? mesh->material : scene_->spheres[hit.primitive].material;

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/scene/load.h"
+#include "worker/render/catcher.h"
 #include "worker/render/warp.h"
 
 namespace tessera::tracer {
@@ -11,12 +12,9 @@ namespace {
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
-// Bounces before Russian roulette begins.
-constexpr int kSureBounces = 2;
-
-// The sets of random numbers: two for the camera, then four a vertex.
-constexpr std::uint32_t kPixelSet = 0, kLensSet = 1;
-std::uint32_t first_set(int vertex) { return 2 + 4 * static_cast<std::uint32_t>(vertex); }
+// How much of the angle of a bundle of rays, one a sample, the cone of one ray is made: pictures seen by
+// reflection may blur that much.
+constexpr float kConeShare = 0.1f;
 
 template <typename P>
 void clear(P& packet) {
@@ -28,130 +26,228 @@ Vec3 leaving(const Surface& s, const Vec3& direction) {
   return offset_origin(s.position, dot(direction, s.ng) >= 0 ? s.ng : -s.ng);
 }
 
-}  // namespace
-
-BlockKeys::BlockKeys(std::uint64_t seed, int frame, int x0, int y0) : x(x0), y(y0) {
-  for (int h = 0; h < 2; ++h)
-    for (int i = 0; i < kBlockPixels; ++i)
-      half[static_cast<std::size_t>(h)][static_cast<std::size_t>(i)] =
-          half_key(seed, frame, x0 + i % kBlockEdge, y0 + i / kBlockEdge, h);
+Color attenuation(const Color& per_metre, float distance) {
+  return {std::exp(-per_metre.x * distance), std::exp(-per_metre.y * distance),
+          std::exp(-per_metre.z * distance)};
 }
 
-Integrator::Integrator(const RenderScene& scene, const RenderSettings& settings)
+Views views_of(const RenderScene& scene, const RenderSettings& settings, int frame) {
+  const Scene& s = scene.scene();
+  const Camera& camera = s.cameras[camera_index(s, settings.camera)];
+  const Shutter now = shutter_of(s, camera, frame), before = shutter_of(s, camera, frame - 1);
+  return {CameraRays(s, camera, settings.size, now.open, now.close),
+          CameraRays(s, camera, settings.size, before.open, before.close)};
+}
+
+}  // namespace
+
+Integrator::Integrator(const RenderScene& scene, const RenderSettings& settings, int frame)
     : scene_(scene),
-      camera_(scene.scene().cameras[camera_index(scene.scene(), settings.camera)], settings.size),
-      max_bounces_(settings.max_bounces),
-      albedo_(settings.aovs.has(Aov::albedo)) {}
+      settings_(settings),
+      views_(views_of(scene, settings, frame)),
+      guides_(scene, settings.aovs, views_),
+      moving_(views_.now.moves() || scene.moves()),
+      groups_(!scene.scene().light_groups.empty()) {
+  const Background& b = scene.scene().background;
+  backdrop_ = b.kind == Background::Kind::color ? b.color : Color(0, 0, 0);
+  const Camera& camera = scene.scene().cameras[camera_index(scene.scene(), settings.camera)];
+  if (camera.autofocus && views_.now.has_lens()) focus();
+}
+
+// On what the middle of the frame shows; on nothing there: as the camera says.
+void Integrator::focus() {
+  const float x = static_cast<float>(settings_.size.width) / 2,
+              y = static_cast<float>(settings_.size.height) / 2;
+  const Ray ray = views_.now.central_ray(x, y, 0.5f);
+  clear(rays_);
+  rays_.set(0, ray.origin, ray.direction, kFar, {0.5f, RayKind::camera, 0});
+  scene_.bvh().intersect(rays_);
+  if (!rays_.hit(0)) return;
+  const float depth = views_.now.depth(ray.origin + ray.direction * rays_.distance(0), 0.5f);
+  if (depth > 0) views_.now.focus_at(depth);
+}
 
 void Integrator::trace(const BlockKeys& block, int sample, SampleBlock& out) {
-  start(block, sample);
+  const Turn turn{block, sample, block.half[static_cast<std::size_t>(sample & 1)],
+                  half_index_reversed(sample)};
+  out.clear();
+  start(turn);
   scene_.bvh().intersect_coherent(rays_);
   find_surfaces();
-  for (int lane = 0; lane < kLanes; ++lane) rays_.hit(lane) ? first_hit(lane, out) : sky(lane, out);
-  for (int bounce = 0; bounce <= max_bounces_; ++bounce) {
-    if (!ready_vertices(block, sample, bounce)) break;
+  for (int lane = 0; lane < kLanes; ++lane) rays_.hit(lane) ? first_hit(turn, lane, out) : sky(lane, out);
+  for (int bounce = 0; bounce <= settings_.max_bounces; ++bounce) {
+    if (!ready_vertices(turn, bounce)) break;
     clear(rays_);
     clear(shadows_);
     for (int lane = 0; lane < kLanes; ++lane)
-      if (paths_[static_cast<std::size_t>(lane)].alive) scatter(lane, bounce);
-    collect_light(bounce);
-    next_hits(bounce);
+      if (paths_[static_cast<std::size_t>(lane)].alive) scatter(turn, lane, bounce, out);
+    collect_light(bounce, out);
+    next_hits(bounce, out);
   }
-  finish(out);
+  finish(turn, out);
+  if (sample == 0 && guides_.samples_points()) guides_.point_samples(block, rays_, out);
 }
 
-void Integrator::start(const BlockKeys& block, int sample) {
-  const auto& keys = block.half[static_cast<std::size_t>(sample & 1)];
-  RandomPairs<kLanes> pixel, lens;
-  pixel.draw(keys, half_index_reversed(sample), kPixelSet);
-  if (camera_.has_lens()) lens.draw(keys, half_index_reversed(sample), kLensSet);
+RayTraits Integrator::traits(const Turn& turn, int lane, int bounce, RayKind kind) const {
+  const auto i = static_cast<std::size_t>(lane);
+  RayTraits t{paths_[i].ray.time, kind, 0};
+  if (scene_.blends())
+    t.seed = static_cast<std::uint32_t>(
+        mixed(turn.keys[i] ^ (static_cast<std::uint64_t>(turn.sample) << 32 |
+                              static_cast<std::uint32_t>(4 * bounce + static_cast<int>(kind)))));
+  return t;
+}
+
+void Integrator::start(const Turn& turn) {
+  const CameraRays& camera = views_.now;
+  pixel_.draw(turn.keys, turn.index, kPixelSet);
+  if (camera.has_lens()) lens_.draw(turn.keys, turn.index, kLensSet);
+  if (moving_) time_.draw(turn.keys, turn.index, kTimeSet);
   for (int lane = 0; lane < kLanes; ++lane) {
-    Path& path = paths_[static_cast<std::size_t>(lane)];
-    const Vec2 within = pixel[static_cast<std::size_t>(lane)];
-    const Ray ray = camera_.ray(static_cast<float>(block.x + lane % kBlockEdge) + within.x,
-                                static_cast<float>(block.y + lane / kBlockEdge) + within.y,
-                                camera_.has_lens() ? lens[static_cast<std::size_t>(lane)] : Vec2(0, 0));
+    const auto i = static_cast<std::size_t>(lane);
+    Path& path = paths_[i];
+    path.ray.time = moving_ ? time_.x[i] : 0;
+    path.ray = traits(turn, lane, 0, RayKind::camera);
+    const Ray ray = camera.ray(static_cast<float>(turn.block.x + lane % kBlockEdge) + pixel_.x[i],
+                               static_cast<float>(turn.block.y + lane / kBlockEdge) + pixel_.y[i],
+                               camera.has_lens() ? lens_[i] : Vec2(0, 0), path.ray.time);
     path.origin = ray.origin;
     path.direction = ray.direction;
     path.throughput = Color(1, 1, 1);
     path.radiance_scale = 1;
+    path.diffuse_share = path.absorption = Color(0, 0, 0);
+    path.width = camera.footprint();
+    path.spread = camera.spread();
     path.left = {};
     path.direct = path.indirect = path.emission = Color(0, 0, 0);
-    path.alive = true;
-    path.waits = false;
-    rays_.set(lane, ray.origin, ray.direction, kFar);
+    path.sent = 0;
+    path.vertices = 0;
+    path.alive = path.texture2 = true;
+    path.waits = path.rough = false;
+    rays_.set(lane, ray.origin, ray.direction, kFar, path.ray);
   }
 }
 
 // Draws the random numbers that the living paths need at their next vertex. False if there are none.
-bool Integrator::ready_vertices(const BlockKeys& block, int sample, int bounce) {
+bool Integrator::ready_vertices(const Turn& turn, int bounce) {
   bool any = false, lobes = false;
   for (const Path& path : paths_) {
     any |= path.alive;
-    lobes |= path.alive && path.bsdf.kind != Material::Kind::diffuse;
+    lobes |= path.alive && !one_lobe(path.bsdf);
   }
   if (!any) return false;
-  const auto& keys = block.half[static_cast<std::size_t>(sample & 1)];
-  const std::uint32_t index = half_index_reversed(sample), set = first_set(bounce);
+  const std::uint32_t set = first_set(bounce);
   const Lights& lights = scene_.lights();
-  if (!lights.empty()) light_point_.draw(keys, index, set);
-  direction_.draw(keys, index, set + 1);
-  if (lobes || lights.picks()) which_.draw(keys, index, set + 2);
-  if (bounce >= kSureBounces) roulette_.draw(keys, index, set + 3);
+  if (!lights.empty()) light_point_.draw(turn.keys, turn.index, set);
+  direction_.draw(turn.keys, turn.index, set + 1);
+  if (lobes || lights.picks()) which_.draw(turn.keys, turn.index, set + 2);
+  if (bounce >= settings_.sure_bounces) roulette_.draw(turn.keys, turn.index, set + 3);
   return true;
 }
 
-void Integrator::first_hit(int lane, SampleBlock& out) {
+void Integrator::ready_bsdf(Path& path) const {
+  path.bsdf = scene_.materials().bsdf(scene_.geometry(), path.hit, path.surface, path.direction);
+}
+
+void Integrator::first_hit(const Turn& turn, int lane, SampleBlock& out) {
   Path& path = paths_[static_cast<std::size_t>(lane)];
-  path.bsdf = scene_.materials().bsdf(scene_.geometry(), rays_.at(lane), path.surface, path.direction);
-  if (path.surface.light >= 0) path.emission = scene_.lights().hit({}, path.direction, path.surface).radiance;
-  out.hit[static_cast<std::size_t>(lane)] = 1;
-  out.set(Aov::albedo, lane, albedo_ ? albedo(path.bsdf) : Color(0, 0, 0));
-  out.set(Aov::normal, lane, path.bsdf.frame.z);
-  out.set(Aov::position, lane, path.surface.position);
-  out.values[SampleBlock::channel(Aov::depth)][static_cast<std::size_t>(lane)] =
-      dot(path.surface.position - camera_.origin(), camera_.forward());
+  ready_bsdf(path);
+  guides_.first_hit(path, lane, out);
+  const int object = scene_.geometry().object(path.hit);
+  if (object >= 0 && scene_.scene().objects[static_cast<std::size_t>(object)].catcher)
+    return catch_shadow(turn, lane, out);
+  if (path.surface.light >= 0)
+    add(path, lane, -1, arriving(path, scene_.lights().hit({}, path.direction, path.surface)), out);
+  show_unlit(path);
 }
 
 void Integrator::sky(int lane, SampleBlock& out) {
   Path& path = paths_[static_cast<std::size_t>(lane)];
   path.alive = false;
-  scene_.lights().backdrop(path.direction, [&](const Emitted& e) { path.emission += e.radiance; });
-  out.hit[static_cast<std::size_t>(lane)] = 0;
-  out.set(Aov::albedo, lane, Vec3(1, 1, 1));
-  out.set(Aov::normal, lane, Vec3(0, 0, 0));
-  out.set(Aov::position, lane, camera_.origin() + path.direction * scene_.diameter());
-  out.values[SampleBlock::channel(Aov::depth)][static_cast<std::size_t>(lane)] = 0;
+  path.emission = backdrop_;
+  scene_.lights().backdrop(path.direction,
+                           [&](const Emitted& e) { add(path, lane, -1, arriving(path, e), out); });
+  guides_.sky(path, lane, out);
+}
+
+// The backdrop is seen through the catcher where light comes to it, and black covers it where none comes.
+void Integrator::catch_shadow(const Turn& turn, int lane, SampleBlock& out) {
+  Path& path = paths_[static_cast<std::size_t>(lane)];
+  path.alive = false;
+  const auto i = static_cast<std::size_t>(lane);
+  const std::optional<LightWay> way = choose_light_way(
+      scene_.lights(), path.surface.position, path.bsdf.frame.z, path.ray.time, [&](int pair) {
+        return random_pair(turn.keys[i], turn.index, kCatcherSet + static_cast<std::uint32_t>(pair));
+      });
+  if (way) {
+    const Vec3 origin = leaving(path.surface, way->direction);
+    const RayTraits ray = traits(turn, lane, 0, RayKind::shadow);
+    clear(shadows_);
+    if (way->infinite)
+      shadows_.set(lane, origin, way->direction, kFar, ray);
+    else
+      shadows_.set(lane, origin, way->target - origin, 1, ray);
+    scene_.bvh().occluded(shadows_);
+  }
+  const bool shadowed = way && shadows_.occluded(lane);
+  guides_.caught(path, lane, shadowed, out);
+  if (shadowed) return;
+  path.direct = backdrop_;
+  scene_.lights().backdrop(path.direction, [&](const Emitted& e) { path.direct += e.radiance; });
+}
+
+// What an unlit surface shows to the camera, also in a mirror. It is the end of the path.
+void Integrator::show_unlit(Path& path) const {
+  if (!scene_.materials().unlit(path.surface.material)) return;
+  if (path.left.pdf == 0)
+    path.emission += path.throughput * scene_.materials().shown(scene_.geometry(), path.hit, path.surface);
+  path.alive = false;
 }
 
 // At a vertex: sends a shadow ray to a light, and the path on.
-void Integrator::scatter(int lane, int bounce) {
+void Integrator::scatter(const Turn& turn, int lane, int bounce, SampleBlock& out) {
   Path& path = paths_[static_cast<std::size_t>(lane)];
-  if (!path.bsdf.delta && !scene_.lights().empty()) ask_light(path, lane);
-  path.alive = bounce < max_bounces_ || gathers_emission();
-  if (!path.alive) return;
-  const bool one_lobe = path.bsdf.kind == Material::Kind::diffuse;
   const auto i = static_cast<std::size_t>(lane);
-  const BsdfSample s = sample(path.bsdf, one_lobe ? 0 : which_.x[i], direction_[i]);
+  ++path.vertices;
+  if (!path.bsdf.delta && !scene_.lights().empty()) {
+    path.ray = traits(turn, lane, bounce, RayKind::shadow);
+    ask_light(path, lane);
+  }
+  path.alive = bounce < settings_.max_bounces || gathers_emission();
+  if (!path.alive) return;
+  const BsdfSample s = sample(path.bsdf, one_lobe(path.bsdf) ? 0 : which_.x[i], direction_[i]);
   path.alive = !is_black(s.weight());
   if (!path.alive) return;
-  path.throughput *= s.weight();
-  path.radiance_scale *= s.radiance_scale;
-  path.left = {path.surface.position, path.bsdf.frame.z, s.pdf};
-  path.direction = s.wi;
+  go_on(path, s);
+  if (bounce == 0) guides_.first_bounce(path, lane, out);
   path.alive = survives(path, lane, bounce);
   if (!path.alive) return;
+  path.ray = traits(turn, lane, bounce, RayKind::scattered);
+  rays_.set(lane, path.origin, s.wi, kFar, path.ray);
+}
+
+void Integrator::go_on(Path& path, const BsdfSample& s) const {
+  const Color weight = s.weight();
+  path.throughput *= weight;
+  path.radiance_scale *= s.radiance_scale;
+  for (int c = 0; c < 3; ++c) path.diffuse_share[c] = weight[c] > 0 ? s.diffuse[c] / weight[c] : 0;
+  if (s.crossed) path.absorption = dot(s.wi, path.surface.ng) < 0 ? path.bsdf.absorption : Color(0, 0, 0);
+  if (s.pdf > 0) {
+    path.rough = true;
+    path.spread += kConeShare / std::sqrt(s.pdf);
+  }
+  path.left = {path.surface.position, path.bsdf.frame.z, s.pdf};
+  path.direction = s.wi;
   path.origin = leaving(path.surface, s.wi);
-  rays_.set(lane, path.origin, s.wi, kFar);
 }
 
 bool Integrator::gathers_emission() const {
-  return scene_.lights().sky_emits() || scene_.lights().surfaces_emit();
+  return scene_.lights().sky_emits() || scene_.lights().surfaces_emit() || scene_.shows_unlit();
 }
 
 // Russian roulette on what the path can still carry.
 bool Integrator::survives(Path& path, int lane, int bounce) const {
-  if (bounce < kSureBounces || bounce == max_bounces_) return true;
+  if (bounce < settings_.sure_bounces || bounce == settings_.max_bounces) return true;
   // The root of what is carried: on a scene of mostly diffuse bounces the least error for the time.
   const float chance = std::sqrt(max_component(path.throughput) / path.radiance_scale);
   if (chance >= 1) return true;
@@ -164,58 +260,61 @@ void Integrator::ask_light(Path& path, int lane) {
   const Lights& lights = scene_.lights();
   const auto i = static_cast<std::size_t>(lane);
   const LightSample light = lights.sample(path.surface.position, path.bsdf.frame.z,
-                                          lights.picks() ? which_.y[i] : 0, light_point_[i]);
+                                          lights.picks() ? which_.y[i] : 0, light_point_[i], path.ray.time);
   if (!(light.pdf > 0)) return;
   const BsdfValue scattered = evaluate(path.bsdf, light.direction);
   const float weight = (light.delta ? 1.0f : power_heuristic(light.pdf, scattered.pdf)) / light.pdf;
-  path.unshadowed = path.throughput * scattered.f() * light.radiance * weight;
-  if (is_black(path.unshadowed)) return;
+  const Color f = scattered.diffuse * light.traits->diffuse + scattered.specular * light.traits->specular;
+  path.waiting = {path.throughput * f * light.radiance * weight, luminance(light.radiance) * weight,
+                  light.traits};
+  if (is_black(path.waiting.light)) return;
   path.waits = true;
   const Vec3 origin = leaving(path.surface, light.direction);
   if (light.infinite)
-    shadows_.set(lane, origin, light.direction, kFar);
+    shadows_.set(lane, origin, light.direction, kFar, path.ray);
   else
-    shadows_.set(lane, origin, light.target - origin, 1);
+    shadows_.set(lane, origin, light.target - origin, 1, path.ray);
+  if (!light.infinite && !is_black(path.absorption))
+    path.waiting.light *= attenuation(path.absorption, length(light.target - origin));
 }
 
-void Integrator::collect_light(int bounce) {
+void Integrator::collect_light(int bounce, SampleBlock& out) {
   bool any = false;
   for (const Path& path : paths_) any |= path.waits;
   if (!any) return;
   scene_.bvh().occluded(shadows_);
   for (int lane = 0; lane < kLanes; ++lane) {
     Path& path = paths_[static_cast<std::size_t>(lane)];
-    if (path.waits && !shadows_.occluded(lane))
-      (bounce == 0 ? path.direct : path.indirect) += path.unshadowed;
+    if (path.waits && !shadows_.occluded(lane)) add(path, lane, bounce, path.waiting, out);
     path.waits = false;
   }
 }
 
-void Integrator::next_hits(int bounce) {
-  const bool last = bounce == max_bounces_;
-  if (last && !scene_.lights().surfaces_emit()) {
-    // What is hit does not matter any more, only whether the sky is seen.
-    clear(shadows_);
-    bool any = false;
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const Path& path = paths_[static_cast<std::size_t>(lane)];
-      if (!path.alive) continue;
-      shadows_.set(lane, path.origin, path.direction, kFar);
-      any = true;
-    }
-    if (!any) return;
-    scene_.bvh().occluded(shadows_);
-    for (int lane = 0; lane < kLanes; ++lane) {
-      Path& path = paths_[static_cast<std::size_t>(lane)];
-      if (!path.alive || shadows_.occluded(lane)) continue;
-      find_sky(path, bounce);
-    }
-    return;
-  }
+void Integrator::next_hits(int bounce, SampleBlock& out) {
+  if (bounce == settings_.max_bounces && !scene_.lights().surfaces_emit() && !scene_.shows_unlit())
+    return last_hits(bounce, out);
   scene_.bvh().intersect(rays_);
   find_surfaces();
   for (int lane = 0; lane < kLanes; ++lane)
-    if (paths_[static_cast<std::size_t>(lane)].alive) arrive(lane, bounce);
+    if (paths_[static_cast<std::size_t>(lane)].alive) arrive(lane, bounce, out);
+}
+
+// What is hit does not matter any more, only whether the sky is seen.
+void Integrator::last_hits(int bounce, SampleBlock& out) {
+  clear(shadows_);
+  bool any = false;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const Path& path = paths_[static_cast<std::size_t>(lane)];
+    if (!path.alive) continue;
+    shadows_.set(lane, path.origin, path.direction, kFar, path.ray);
+    any = true;
+  }
+  if (!any) return;
+  scene_.bvh().occluded(shadows_);
+  for (int lane = 0; lane < kLanes; ++lane) {
+    Path& path = paths_[static_cast<std::size_t>(lane)];
+    if (path.alive && !shadows_.occluded(lane)) find_sky(path, lane, bounce, out);
+  }
 }
 
 // All lanes first, for they wait for memory at the same time then.
@@ -223,44 +322,72 @@ void Integrator::find_surfaces() {
   for (int lane = 0; lane < kLanes; ++lane) {
     Path& path = paths_[static_cast<std::size_t>(lane)];
     if (!path.alive || !rays_.hit(lane)) continue;
+    path.hit = rays_.at(lane);
+    path.width += path.spread * rays_.distance(lane);
     path.surface =
-        scene_.geometry().surface(rays_.at(lane), path.origin, path.direction, rays_.distance(lane));
+        scene_.geometry().surface(path.hit, path.origin, path.direction, rays_.distance(lane), path.ray.time);
   }
 }
 
 // At the end of a ray that was scattered at vertex `bounce`: collects emission, and readies the next vertex.
-void Integrator::arrive(int lane, int bounce) {
+void Integrator::arrive(int lane, int bounce, SampleBlock& out) {
   Path& path = paths_[static_cast<std::size_t>(lane)];
-  Color& light = bounce == 0 ? path.direct : path.indirect;
   if (!rays_.hit(lane)) {
-    find_sky(path, bounce);
+    find_sky(path, lane, bounce, out);
     path.alive = false;
     return;
   }
+  if (!is_black(path.absorption)) path.throughput *= attenuation(path.absorption, rays_.distance(lane));
   if (path.surface.light >= 0)
-    light += path.throughput * scene_.lights().hit(path.left, path.direction, path.surface).radiance;
-  if (bounce < max_bounces_)
-    path.bsdf = scene_.materials().bsdf(scene_.geometry(), rays_.at(lane), path.surface, path.direction);
+    add(path, lane, bounce, arriving(path, scene_.lights().hit(path.left, path.direction, path.surface)),
+        out);
+  show_unlit(path);
+  if (bounce == settings_.max_bounces || !path.alive) return;
+  ready_bsdf(path);
+  if (settings_.regularise > 0 && path.rough) regularise(path.bsdf, settings_.regularise);
+  guides_.later_hit(path, lane, bounce, out);
 }
 
-void Integrator::find_sky(Path& path, int bounce) const {
-  Color& light = bounce == 0 ? path.direct : path.indirect;
+void Integrator::find_sky(Path& path, int lane, int bounce, SampleBlock& out) const {
   scene_.lights().escaped(path.left, path.direction,
-                          [&](const Emitted& e) { light += path.throughput * e.radiance; });
+                          [&](const Emitted& e) { add(path, lane, bounce, arriving(path, e), out); });
 }
 
-void Integrator::finish(SampleBlock& out) const {
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const Path& path = paths_[lane];
+Contribution Integrator::arriving(const Path& path, const Emitted& found) const {
+  Color light = path.throughput * found.radiance;
+  const LightTraits& t = *found.traits;
+  if (path.vertices > 0 && (t.diffuse != 1 || t.specular != 1))
+    light *= path.diffuse_share * t.diffuse + (Color(1, 1, 1) - path.diffuse_share) * t.specular;
+  return {light, luminance(found.radiance), found.traits};
+}
+
+// To what scattering made of light at vertex `bounce`; -1: to what the camera sees of an emitter.
+void Integrator::add(Path& path, int lane, int bounce, Contribution c, SampleBlock& out) const {
+  path.sent += c.sent;
+  const float most = bounce > 0 ? settings_.clamp_indirect : settings_.clamp_direct;
+  if (bounce >= 0 && most > 0)
+    if (const float brightest = max_component(c.light); brightest > most) c.light *= most / brightest;
+  (bounce < 0 ? path.emission : bounce == 0 ? path.direct : path.indirect) += c.light;
+  if (!groups_ || c.traits->group < 0) return;
+  const Aov group = light_group_aov(c.traits->group);
+  if (!out.has(group)) return;
+  for (int k = 0; k < 3; ++k) out.channel(group, k)[static_cast<std::size_t>(lane)] += c.light[k];
+}
+
+void Integrator::finish(const Turn& turn, SampleBlock& out) const {
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const auto i = static_cast<std::size_t>(lane);
+    const Path& path = paths_[i];
     const Color color = path.direct + path.indirect + path.emission;
-    out.valid[lane] = is_finite(color) ? 1.0f : 0.0f;
-    out.set(Aov::color, static_cast<int>(lane), color);
-    out.set(Aov::direct, static_cast<int>(lane), path.direct);
-    out.set(Aov::indirect, static_cast<int>(lane), path.indirect);
-    out.set(Aov::emission, static_cast<int>(lane), path.emission);
-    if (out.valid[lane] != 0) continue;
-    for (Lane& value : out.values) value[lane] = 0;
-    out.hit[lane] = 0;
+    out.valid[i] = 1;
+    out.set(Aov::color, lane, color);
+    out.set(Aov::direct, lane, path.direct);
+    out.set(Aov::indirect, lane, path.indirect);
+    out.set(Aov::emission, lane, path.emission);
+    const Vec2 screen(static_cast<float>(turn.block.x + lane % kBlockEdge) + pixel_.x[i],
+                      static_cast<float>(turn.block.y + lane / kBlockEdge) + pixel_.y[i]);
+    guides_.sample(lane, path, color, screen, views_.now.has_lens() ? lens_[i] : Vec2(0.5f, 0.5f), out);
+    if (!is_finite(color)) out.drop(i);
   }
 }
 

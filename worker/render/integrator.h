@@ -4,67 +4,67 @@
 // samples do not depend on which of its pixels somebody wants.
 #pragma once
 
-#include "core/job.h"
-#include "worker/render/camera.h"
-#include "worker/render/render_scene.h"
-#include "worker/render/sample_sums.h"
-#include "worker/render/sampler.h"
+#include "worker/render/guides.h"
 
 namespace tessera::tracer {
 
 static_assert(kBlockPixels == kLanes);
 
-// The randomness of a block's pixels.
-struct BlockKeys {
-  int x = 0, y = 0;  // the block's top left pixel
-  std::array<std::array<std::uint64_t, kBlockPixels>, 2> half;
-
-  BlockKeys(std::uint64_t seed, int frame, int x, int y);
-};
-
 class Integrator {
  public:
   // `scene` is borrowed and must outlive this.
-  Integrator(const RenderScene& scene, const RenderSettings& settings);
+  Integrator(const RenderScene& scene, const RenderSettings& settings, int frame);
+  Integrator(const Integrator&) = delete;
+  Integrator& operator=(const Integrator&) = delete;
 
-  // Samples of index `sample`, one for each pixel of the block.
+  // Samples of index `sample`, one for each pixel of the block. Point-sampled channels come with sample 0.
   void trace(const BlockKeys& block, int sample, SampleBlock& out);
 
  private:
-  struct Path {
-    Vec3 origin, direction;  // of the ray in flight
-    Vertex left;             // the vertex it comes from; the origin is off its surface
-    Color throughput;        // of the path so far
-    float radiance_scale;    // of the refractions in throughput, of which roulette must not know
-    Color direct, indirect, emission;
-    Color unshadowed;  // what the shadow ray decides on
-    Bsdf bsdf;
-    Surface surface;
-    bool alive, waits;  // waits: a shadow ray is out
+  // Where the samples in hand stand: their randomness, and how often they were scattered.
+  struct Turn {
+    const BlockKeys& block;
+    int sample;
+    const std::array<std::uint64_t, kLanes>& keys;
+    std::uint32_t index;
   };
 
-  void start(const BlockKeys& block, int sample);
-  bool ready_vertices(const BlockKeys& block, int sample, int bounce);
-  void first_hit(int lane, SampleBlock& out);
+  void focus();
+  void start(const Turn& turn);
+  bool ready_vertices(const Turn& turn, int bounce);
+  void first_hit(const Turn& turn, int lane, SampleBlock& out);
   void sky(int lane, SampleBlock& out);
-  void scatter(int lane, int bounce);
+  void catch_shadow(const Turn& turn, int lane, SampleBlock& out);
+  void scatter(const Turn& turn, int lane, int bounce, SampleBlock& out);
+  void go_on(Path& path, const BsdfSample& s) const;
   void ask_light(Path& path, int lane);
-  void collect_light(int bounce);
-  void next_hits(int bounce);
+  void collect_light(int bounce, SampleBlock& out);
+  void next_hits(int bounce, SampleBlock& out);
+  void last_hits(int bounce, SampleBlock& out);
   void find_surfaces();
-  void arrive(int lane, int bounce);
-  void find_sky(Path& path, int bounce) const;
+  void arrive(int lane, int bounce, SampleBlock& out);
+  void find_sky(Path& path, int lane, int bounce, SampleBlock& out) const;
+  void show_unlit(Path& path) const;
   bool survives(Path& path, int lane, int bounce) const;
-  void finish(SampleBlock& out) const;
+  void finish(const Turn& turn, SampleBlock& out) const;
   bool gathers_emission() const;
 
+  void ready_bsdf(Path& path) const;
+  RayTraits traits(const Turn& turn, int lane, int bounce, RayKind kind) const;
+  // Light found at the end of the ray in flight, which left vertex `bounce`.
+  Contribution arriving(const Path& path, const Emitted& found) const;
+  void add(Path& path, int lane, int bounce, Contribution c, SampleBlock& out) const;
+
   const RenderScene& scene_;
-  CameraRays camera_;
-  int max_bounces_;
-  bool albedo_;
+  const RenderSettings& settings_;
+  Views views_;
+  Guides guides_;
+  Color backdrop_;
+  bool moving_, groups_;
   std::array<Path, kLanes> paths_;
-  // Random numbers of the vertices in hand: a point on a light, a direction, (lobe, light), (roulette, -).
-  RandomPairs<kLanes> light_point_, direction_, which_, roulette_;
+  // Random numbers: of the camera; of the vertices in hand: a point on a light, a direction, (lobe, light),
+  // (roulette, -).
+  RandomPairs<kLanes> pixel_, lens_, time_, light_point_, direction_, which_, roulette_;
   Packet rays_;
   ShadowPacket shadows_;
 };

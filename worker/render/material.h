@@ -15,6 +15,8 @@ class Materials {
   bool masked(int material) const { return (*this)[material].alpha == Material::Alpha::mask; }
   // Radiance on the sides that emit.
   Color emission(int material, const Vec2& uv) const;
+  bool unlit(int) const { return false; }
+  Color shown(const Geometry&, const Hit&, const Surface&) const { return {0, 0, 0}; }
   Color mean_emission(int material) const;
   // False in the holes of an alpha mask: a cutoff, no chance involved.
   bool solid(int material, const Vec2& uv) const;

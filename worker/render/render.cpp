@@ -29,9 +29,9 @@ Block render(const RenderScene& scene, const RenderSettings& settings, int frame
   const tracer::FlushToZero modes;
   const FilmLayout layout(settings.aovs);
   Block result{samples, Image(region, layout.planes())};
-  tracer::Integrator integrator(scene, settings);
+  tracer::Integrator integrator(scene, settings, frame);
   tracer::SampleSums sums(layout);
-  tracer::SampleBlock block;
+  tracer::SampleBlock block(settings.aovs);
   for (int y = region.y0 & -kBlockEdge; y < region.y1; y += kBlockEdge)
     for (int x = region.x0 & -kBlockEdge; x < region.x1; x += kBlockEdge) {
       const tracer::BlockKeys keys(settings.seed, frame, x, y);

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <memory>
+#include <string>
 
 #include "core/film.h"
 #include "core/job.h"
@@ -15,7 +16,13 @@ namespace tessera {
 // A scene made ready for rays: acceleration structure, light and texture tables. Immutable, shared by
 // threads.
 class RenderScene;
-std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene>);
+
+// Ready for one frame's shutter and for the chosen variant.
+std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene>, const RenderSettings& = {},
+                                           int frame = 0);
+
+// Equal for frames and settings between which what prepare() makes of this scene is the same.
+std::string preparation(const Scene&, const RenderSettings&, int frame);
 
 struct Cancelled {};  // thrown by render() when `cancel` became true
 

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/render/render_scene.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/scene/load.h"
+
 namespace tessera {
 namespace {
 
@@ -10,10 +16,27 @@ float diameter_of(const tracer::Bvh& bvh) {
   return d > 0 ? d : 1.0f;
 }
 
+// Of the frame's camera; always the same where nothing can move.
+tracer::Shutter shutter_for(const Scene& scene, const RenderSettings& settings, int frame) {
+  if (scene.tracks.empty()) return {};
+  const auto camera = static_cast<std::size_t>(camera_index(scene, settings.camera));
+  return tracer::shutter_of(scene, scene.cameras[camera], frame);
+}
+
+bool any_material(const Scene& scene, const auto& is) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(), is);
+}
+
 }  // namespace
 
-RenderScene::RenderScene(std::shared_ptr<const Scene> scene)
+tracer::Shutter tracer::shutter_of(const Scene& scene, const Camera& camera, int frame) {
+  const double fps = scene.frames_per_second;
+  return {(frame + double(camera.shutter_open)) / fps, (frame + double(camera.shutter_close)) / fps};
+}
+
+RenderScene::RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shutter)
     : scene_(std::move(scene)),
+      shutter_(shutter),
       geometry_(*scene_),
       materials_(*scene_),
       bvh_(
@@ -22,10 +45,34 @@ RenderScene::RenderScene(std::shared_ptr<const Scene> scene)
             return materials_.solid(geometry_.material(hit), geometry_.uv(hit));
           }),
       diameter_(diameter_of(bvh_)),
-      lights_(*scene_, geometry_, materials_, diameter_ / 2) {}
+      lights_(*scene_, geometry_, materials_, diameter_ / 2),
+      moves_(false),
+      blends_(any_material(*scene_, [](const Material& m) { return m.alpha == Material::Alpha::blend; })),
+      shows_unlit_(any_material(*scene_, [](const Material& m) { return m.kind == Material::Kind::unlit; })) {
+  for (std::uint32_t i = 0; i < geometry_.pieces.size(); ++i) moves_ |= geometry_.steps(i) > 1;
+}
 
-std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene> scene) {
-  return std::make_shared<RenderScene>(std::move(scene));
+Vec3 RenderScene::one_frame_before(const tracer::Hit& hit, const Vec3& position) const {
+  const int object = geometry_.object(hit);
+  if (object < 0 || scene_->objects[static_cast<std::size_t>(object)].track < 0) return position;
+  const double middle = (shutter_.open + shutter_.close) / 2;
+  const Matrix now = geometry_.to_world(hit.piece, 0.5f);
+  const Matrix before = geometry_.to_world_at(hit.piece, middle - 1.0 / scene_->frames_per_second);
+  Vec3 local, then;
+  now.inverse().multVecMatrix(position, local);
+  before.multVecMatrix(local, then);
+  return then;
+}
+
+std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene> scene, const RenderSettings& settings,
+                                           int frame) {
+  const tracer::Shutter shutter = shutter_for(*scene, settings, frame);
+  return std::make_shared<RenderScene>(std::move(scene), shutter);
+}
+
+std::string preparation(const Scene& scene, const RenderSettings& settings, int frame) {
+  const tracer::Shutter shutter = shutter_for(scene, settings, frame);
+  return fmt::format("{} {} {}", settings.variant, shutter.open, shutter.close);
 }
 
 }  // namespace tessera

@@ -5,13 +5,19 @@
 #include "worker/render/bvh.h"
 #include "worker/render/light/lights.h"
 #include "worker/render/material.h"
+#include "worker/render/motion.h"
 #include "worker/render/render.h"
 
 namespace tessera {
 
+namespace tracer {
+// When the camera's shutter is open for a frame.
+Shutter shutter_of(const Scene& scene, const Camera& camera, int frame);
+}  // namespace tracer
+
 class RenderScene {
  public:
-  explicit RenderScene(std::shared_ptr<const Scene> scene);
+  explicit RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shutter = {});
 
   const Scene& scene() const { return *scene_; }
   const tracer::Geometry& geometry() const { return geometry_; }
@@ -19,14 +25,22 @@ class RenderScene {
   const tracer::Bvh& bvh() const { return bvh_; }
   const tracer::Lights& lights() const { return lights_; }
   float diameter() const { return diameter_; }
+  bool moves() const { return moves_; }    // something, while the shutter is open
+  bool blends() const { return blends_; }  // there are surfaces that are there by chance
+  bool shows_unlit() const { return shows_unlit_; }
+
+  // Where a point of a surface, as it is at the middle of the shutter, was one frame earlier.
+  Vec3 one_frame_before(const tracer::Hit& hit, const Vec3& position) const;
 
  private:
   std::shared_ptr<const Scene> scene_;  // shared with the worker's cache of loaded scenes
+  tracer::Shutter shutter_;
   tracer::Geometry geometry_;
   tracer::Materials materials_;
   tracer::Bvh bvh_;
   float diameter_;
   tracer::Lights lights_;
+  bool moves_, blends_, shows_unlit_;
 };
 
 }  // namespace tessera

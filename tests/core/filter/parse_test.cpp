@@ -115,7 +115,7 @@ TEST(FilterHalo, IsWhatThePassesReachTogether) {
 TEST(FilterDescriptions, SayWhatTheyTakeAndWhereEveryNumberComesFrom) {
   for (const FilterDescription& d : filters()) {
     EXPECT_FALSE(d.summary.empty() || d.inputs.empty());
-    for (const Channel& c : d.inputs) EXPECT_LT(c.index, static_cast<int>(info(c.aov).channels.size()));
+    for (const Channel& c : d.inputs) EXPECT_LT(c.index, info(c.aov).channels);
     for (const Parameter& p : d.parameters) {
       EXPECT_FALSE(p.meaning.empty() || p.source.empty()) << p.name;
       EXPECT_LE(p.low, p.standard) << p.name;

@@ -23,7 +23,7 @@ void expect_near(const Image& a, const Image& b, double relative, std::string_vi
 }
 
 void fill(Image& input, const FilterPlan& plan, Aov aov, float value, Statistic statistic = Statistic::mean) {
-  for (int c = 0; c < static_cast<int>(info(aov).channels.size()); ++c)
+  for (int c = 0; c < info(aov).channels; ++c)
     std::ranges::fill(input.plane(plane_of(plan, aov, c, statistic)), value);
 }
 

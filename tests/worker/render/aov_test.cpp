@@ -17,7 +17,9 @@ struct Means {
   FilmLayout layout{all_aovs()};
   Vec3 at(Aov aov, int x, int y) const {
     const Image m = developed(sums, layout, channels_of(aov), Part::all);
-    return m.planes() == 1 ? Vec3(m.at(0, x, y), 0, 0) : Vec3(m.at(0, x, y), m.at(1, x, y), m.at(2, x, y));
+    Vec3 v(0, 0, 0);
+    for (int c = 0; c < std::min(3, m.planes()); ++c) v[c] = m.at(c, x, y);
+    return v;
   }
 };
 Means means(const Scene& scene, int bounces = 3, int samples = 16) {

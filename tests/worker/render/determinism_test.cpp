@@ -57,7 +57,7 @@ TEST(Render, GivesTheSameBitsForAnySplitOfTheSamples) {
     while (blocks.size() > 1) {
       std::vector<Block> joined;
       for (std::size_t i = 0; i < blocks.size(); i += 2) {
-        join(blocks[i], blocks[i + 1]);
+        join(blocks[i], blocks[i + 1], FilmLayout(settings().aovs));
         joined.push_back(std::move(blocks[i]));
       }
       blocks = std::move(joined);

@@ -65,7 +65,7 @@ inline std::shared_ptr<const RenderScene> prepared(Scene scene) {
   return prepare(std::make_shared<const Scene>(std::move(scene)));
 }
 
-inline AovSet all_aovs() { return AovSet::from_bits((1u << kAovs) - 1); }
+inline AovSet all_aovs() { return AovSet::all(); }
 
 // Mean over all samples of a square frame, and the standard error of that mean, which treats pixels as
 // independent and therefore overstates the error of stratified samples.

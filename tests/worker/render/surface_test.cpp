@@ -199,12 +199,12 @@ TEST(Material, BothSidesScatter) {
 TEST(Camera, FieldsOfViewReachTheEdgesOfTheFrame) {
   Camera camera;
   camera.vertical_fov = kPi / 2;
-  const CameraRays vertical(camera, {200, 100});
-  EXPECT_LT(length(vertical.ray(100, 0, {}).direction - unit(Vec3(0, 1, -1))), 1e-6f);
-  EXPECT_LT(length(vertical.ray(200, 50, {}).direction - unit(Vec3(2, 0, -1))), 1e-6f);
+  const CameraRays vertical({}, camera, {200, 100}, 0, 0);
+  EXPECT_LT(length(vertical.ray(100, 0, {}, 0).direction - unit(Vec3(0, 1, -1))), 1e-6f);
+  EXPECT_LT(length(vertical.ray(200, 50, {}, 0).direction - unit(Vec3(2, 0, -1))), 1e-6f);
   camera.horizontal_fov = kPi / 2;
-  const CameraRays horizontal(camera, {200, 100});
-  EXPECT_LT(length(horizontal.ray(0, 50, {}).direction - unit(Vec3(-1, 0, -1))), 1e-6f);
+  const CameraRays horizontal({}, camera, {200, 100}, 0, 0);
+  EXPECT_LT(length(horizontal.ray(0, 50, {}, 0).direction - unit(Vec3(-1, 0, -1))), 1e-6f);
 }
 
 }  // namespace

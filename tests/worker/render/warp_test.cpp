@@ -34,15 +34,15 @@ TEST(Warp, TheLensIsUniformAndItsRaysMeetAtTheFocus) {
   camera.to_world = Matrix().translate(Vec3(1, 2, 3));
   camera.lens_radius = 0.25f;
   camera.focus_distance = 4;
-  const CameraRays rays(camera, {64, 32});
+  const CameraRays rays({}, camera, {64, 32}, 0, 0);
   const auto on_lens = [&](const Vec2& u) {
-    const Ray r = rays.ray(20, 9, u);
+    const Ray r = rays.ray(20, 9, u, 0);
     EXPECT_NEAR(r.origin.z, 3, 1e-6f);
     return Vec2(r.origin.x - 1, r.origin.y - 2) * (0.5f / 0.25f) + Vec2(0.5f, 0.5f);
   };
   expect_follows(drawn(on_lens), kTries, in_disc, "lens", 16, 200);
   const auto focus = [&](const Vec2& u) {
-    const Ray r = rays.ray(20, 9, u);
+    const Ray r = rays.ray(20, 9, u, 0);
     return r.origin + r.direction * (-4 / r.direction.z);
   };
   EXPECT_LT(length(focus({0.1f, 0.9f}) - focus({0.7f, 0.3f})), 1e-5f);

@@ -21,6 +21,7 @@ struct Bsdf {
   Color eta, k;        // of metal
   float alpha = 1;
   float ior = 1.5f;             // of glass: index beyond over index on this side
+  Color absorption{0, 0, 0};
   float specular_share = 0.5f;  // of metallic_roughness: probability that a sample is of the specular lobe
 };
 
@@ -39,6 +40,7 @@ struct BsdfSample {
   Color diffuse{0, 0, 0}, specular{0, 0, 0};  // f * cosine / pdf, apart as above; both black: absorbed
   float pdf = 0;                              // 0: a delta direction
   float radiance_scale = 1;  // of a refraction: (index here / index beyond)^2, contained in the weights
+  bool crossed = false;
   Color weight() const { return diffuse + specular; }
 };
 // `lobe` in [0, 1) chooses among lobes, `u` the direction within.
@@ -46,5 +48,8 @@ BsdfSample sample(const Bsdf&, float lobe, const Vec2& u);
 
 // Share of light from everywhere that is scattered towards wo; close, not exact, for rough specular lobes.
 Color albedo(const Bsdf&);
+inline bool one_lobe(const Bsdf& b) { return b.kind == Material::Kind::diffuse; }
+inline bool has_diffuse(const Bsdf& b) { return b.kind == Material::Kind::diffuse || b.kind == Material::Kind::metallic_roughness; }
+inline void regularise(Bsdf&, float) {}
 
 }  // namespace tessera::tracer

@@ -112,7 +112,7 @@ void Lights::add_spheres() {
   }
 }
 
-LightSample Lights::sample(const Vec3& p, const Vec3&, float pick, const Vec2& u) const {
+LightSample Lights::sample(const Vec3& p, const Vec3&, float pick, const Vec2& u, float) const {
   const Distribution::Pick chosen = lights_.size() == 1 ? Distribution::Pick{0, pick} : picks_.pick(pick);
   LightSample s = sample_at(p, lights_[chosen.index], chosen.share, u);
   s.pdf *= picks_.probability(chosen.index);

@@ -46,7 +46,7 @@ class Lights {
   bool sky_emits() const { return !environment_.black() || !suns_.empty(); }
 
   // A light seen from p, a point with the shading normal n. `pick` chooses the light, `u` the point on it.
-  LightSample sample(const Vec3& p, const Vec3& n, float pick, const Vec2& u) const;
+  LightSample sample(const Vec3& p, const Vec3& n, float pick, const Vec2& u, float time = 0) const;
 
   // What a scattered ray finds that hits nothing: calls collect(Emitted) for the environment and for each sun
   // in that direction. Suns without extent cannot be hit.

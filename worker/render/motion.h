@@ -1,0 +1,6 @@
+#pragma once
+namespace tessera::tracer {
+struct Shutter {
+  double open = 0, close = 0;
+};
+}
