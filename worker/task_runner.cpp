@@ -8,14 +8,19 @@
 #include "worker/denoise/runner.h"
 #include "worker/latest_cache.h"
 #include "worker/render/render.h"
+#include "worker/render/texture_cache.h"
 
 namespace tessera {
 namespace {
 
 class StandardRunner : public TaskRunner {
  public:
-  StandardRunner(SceneSource source, std::unique_ptr<Device> device, std::size_t scenes_kept)
-      : source_(std::move(source)), device_(std::move(device)), scenes_(scenes_kept) {}
+  StandardRunner(SceneSource source, std::unique_ptr<Device> device, std::size_t scenes_kept,
+                 const TextureOptions& textures)
+      : source_(std::move(source)),
+        device_(std::move(device)),
+        textures_(std::make_shared<tracer::TextureCache>(textures)),
+        scenes_(scenes_kept) {}
 
   TaskResult run(const Job& job, const Task& task, const Image& input,
                  const std::atomic<bool>& cancel) override {
@@ -25,7 +30,8 @@ class StandardRunner : public TaskRunner {
 
  private:
   TaskResult run(const Job& job, const RenderTask& work, const std::atomic<bool>& cancel) {
-    const auto scene = scenes_.find_or_make(job.scene.hash, [&] { return prepare(source_(job.scene)); });
+    const auto scene =
+        scenes_.find_or_make(job.scene.hash, [&] { return prepare(source_(job.scene), textures_); });
     RenderSettings settings = job.render;
     settings.aovs = film_aovs(job);
     RenderDone done{.block = render(*scene, settings, job.frame, work.region, work.samples, &cancel)};
@@ -42,7 +48,8 @@ class StandardRunner : public TaskRunner {
   }
 
   SceneSource source_;
-  std::unique_ptr<Device> device_;  // shared by the slots
+  std::unique_ptr<Device> device_;                  // shared by the slots
+  std::shared_ptr<tracer::TextureCache> textures_;  // shared with the scenes
   LatestCache<RenderScene> scenes_;
 };
 
@@ -66,8 +73,8 @@ SceneSource scene_in_hand(std::shared_ptr<const Scene> scene) {
 }
 
 std::unique_ptr<TaskRunner> make_task_runner(SceneSource source, std::unique_ptr<Device> device,
-                                             std::size_t scenes_kept) {
-  return std::make_unique<StandardRunner>(std::move(source), std::move(device), scenes_kept);
+                                             std::size_t scenes_kept, const TextureOptions& textures) {
+  return std::make_unique<StandardRunner>(std::move(source), std::move(device), scenes_kept, textures);
 }
 
 std::string device_class(const std::string& version, const DeviceInfo& device) {

@@ -12,10 +12,17 @@
 
 namespace tessera {
 
+namespace tracer {
+class TextureCache;
+}
+
 // A scene made ready for rays: acceleration structure, light and texture tables. Immutable, shared by
 // threads.
+// `cache` holds the textures, for all scenes of a process; null: one of its own. Throws Error if a texture
+// cannot be read any more or the cache cannot be written.
 class RenderScene;
-std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene>);
+std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene>,
+                                           std::shared_ptr<tracer::TextureCache> cache = nullptr);
 
 struct Cancelled {};  // thrown by render() when `cancel` became true
 

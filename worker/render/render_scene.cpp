@@ -12,10 +12,10 @@ float diameter_of(const tracer::Bvh& bvh) {
 
 }  // namespace
 
-RenderScene::RenderScene(std::shared_ptr<const Scene> scene)
+RenderScene::RenderScene(std::shared_ptr<const Scene> scene, std::shared_ptr<tracer::TextureCache> cache)
     : scene_(std::move(scene)),
       geometry_(*scene_),
-      materials_(*scene_),
+      materials_(*scene_, std::move(cache)),
       bvh_(
           geometry_, [this](int material) { return materials_.masked(material); },
           [this](const tracer::Hit& hit) {
@@ -24,8 +24,9 @@ RenderScene::RenderScene(std::shared_ptr<const Scene> scene)
       diameter_(diameter_of(bvh_)),
       lights_(*scene_, geometry_, materials_, diameter_ / 2) {}
 
-std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene> scene) {
-  return std::make_shared<RenderScene>(std::move(scene));
+std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene> scene,
+                                           std::shared_ptr<tracer::TextureCache> cache) {
+  return std::make_shared<RenderScene>(std::move(scene), std::move(cache));
 }
 
 }  // namespace tessera
