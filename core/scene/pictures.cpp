@@ -34,6 +34,13 @@ std::string_view extension_by_content(std::string_view start) {
   return {};
 }
 
+// Whether the last scan of a JPEG file has an end (ITU T.81, section B.1.1.3): libjpeg paints grey what is
+// missing.
+bool jpeg_ends(std::string_view bytes) {
+  const std::size_t end = bytes.rfind("\xff\xd9"), scan = bytes.rfind("\xff\xda");
+  return end != bytes.npos && (scan == bytes.npos || scan < end);
+}
+
 std::string reason(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -72,7 +79,8 @@ Picture decode(OIIO::ImageInput& input, const std::string& name, Encoding encodi
   check_spec(spec, where);
   Picture picture{name, spec.width, spec.height, spec.nchannels, {}, encoding};
   const auto read = [&](OIIO::TypeDesc type, void* values) {
-    if (!input.read_image(0, 0, 0, spec.nchannels, type, values))
+    // Of a TIFF file that ends early only the error tells.
+    if (!input.read_image(0, 0, 0, spec.nchannels, type, values) || input.has_error())
       throw InputError(where, reason(input.geterror()), kFormats);
   };
   if (keep == Keep::source) {
@@ -100,6 +108,7 @@ Picture decode_bytes(std::string_view bytes, const std::string& name, Encoding e
   if (extension.empty()) extension = extension_of(name);
   if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end())
     throw InputError(where, "this is no image we know", kFormats);
+  if (extension == ".jpg" && !jpeg_ends(bytes)) throw InputError(where, "the image ends early", kFormats);
   try {
     OIIO::Filesystem::IOMemReader memory(const_cast<char*>(bytes.data()), bytes.size());
     OIIO::ImageSpec config = opening();

@@ -156,6 +156,8 @@ TEST(Pictures, TiffAndTargaAreReadToo) {
     add_number(tag, 2), add_number(3, 2), add_number(count, 4), add_number(value, 4);
   add_number(0, 4);
   EXPECT_EQ(read_picture(folder.write("one.tif", tiff), Encoding::srgb).pixels, (std::vector<float>{1}));
+  tiff[8 + 2 + 2 + 5 * 12 + 8] = '\x7f';  // the strip is beyond the file's end
+  EXPECT_THAT(refusal_of(folder.write("one.tif", tiff)), HasSubstr("one.tif: "));
 }
 
 }  // namespace
