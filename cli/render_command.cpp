@@ -154,7 +154,10 @@ class UnderWay {
 // What the scene was made from is not to be written over.
 void require_foreign(const fs::path& file, const RenderOptions& o, const Scene& scene) {
   std::vector<fs::path> sources{o.scene};
-  for (const Picture& picture : scene.pictures) sources.emplace_back(picture.name);
+  for (const Picture& picture : scene.pictures) {
+    sources.emplace_back(picture.name);
+    for (const Picture& tile : picture.tiles) sources.emplace_back(tile.name);
+  }
   for (const char* extension : {".exr", ".png"})
     for (const fs::path& source : sources) {
       const fs::path target = fs::path(file).replace_extension(extension);

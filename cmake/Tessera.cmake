@@ -38,7 +38,8 @@ function(tessera_test name)
   target_link_libraries(${name} PRIVATE tessera_options ${ARG_LINK} GTest::gmock GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE TESSERA_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 900
-    ENVIRONMENT "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp")
+    ENVIRONMENT "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp"
+    ENVIRONMENT_MODIFICATION "TESSERA_TEXTURE_CACHE=set:${PROJECT_BINARY_DIR}/textures")
 endfunction()
 
 # tessera_embed(TARGET NAMESPACE FILES ...): each FILE becomes `std::string_view <namespace>::<stem>` in

@@ -8,14 +8,20 @@
 #include "worker/denoise/runner.h"
 #include "worker/latest_cache.h"
 #include "worker/render/render.h"
+#include "worker/render/texture_cache.h"
 
 namespace tessera {
 namespace {
 
 class StandardRunner : public TaskRunner {
  public:
-  StandardRunner(SceneSource source, std::unique_ptr<Device> device, std::size_t scenes_kept)
-      : source_(std::move(source)), device_(std::move(device)), scenes_(scenes_kept), ready_(scenes_kept) {}
+  StandardRunner(SceneSource source, std::unique_ptr<Device> device, std::size_t scenes_kept,
+                 const TextureOptions& textures)
+      : source_(std::move(source)),
+        device_(std::move(device)),
+        textures_(std::make_shared<tracer::TextureCache>(textures)),
+        scenes_(scenes_kept),
+        ready_(scenes_kept) {}
 
   TaskResult run(const Job& job, const Task& task, const Image& input,
                  const std::atomic<bool>& cancel) override {
@@ -27,7 +33,7 @@ class StandardRunner : public TaskRunner {
   TaskResult run(const Job& job, const RenderTask& work, const std::atomic<bool>& cancel) {
     const auto loaded = scenes_.find_or_make(job.scene.hash, [&] { return source_(job.scene); });
     const auto scene = ready_.find_or_make(job.scene.hash + ' ' + preparation(*loaded, job.render, job.frame),
-                                           [&] { return prepare(loaded, job.render, job.frame); });
+                                           [&] { return prepare(loaded, job.render, job.frame, textures_); });
     RenderSettings settings = job.render;
     settings.aovs = film_aovs(job);
     RenderDone done{.block = render(*scene, settings, job.frame, work.region, work.samples, &cancel)};
@@ -44,9 +50,10 @@ class StandardRunner : public TaskRunner {
   }
 
   SceneSource source_;
-  std::unique_ptr<Device> device_;  // shared by the slots
-  LatestCache<Scene> scenes_;       // by content hash
-  LatestCache<RenderScene> ready_;  // by content hash and preparation
+  std::unique_ptr<Device> device_;                  // shared by the slots
+  std::shared_ptr<tracer::TextureCache> textures_;  // shared with the scenes
+  LatestCache<Scene> scenes_;                       // by content hash
+  LatestCache<RenderScene> ready_;                  // by content hash and preparation
 };
 
 // What this binary was compiled for, and what Embree and OpenCL compile for.
@@ -69,8 +76,8 @@ SceneSource scene_in_hand(std::shared_ptr<const Scene> scene) {
 }
 
 std::unique_ptr<TaskRunner> make_task_runner(SceneSource source, std::unique_ptr<Device> device,
-                                             std::size_t scenes_kept) {
-  return std::make_unique<StandardRunner>(std::move(source), std::move(device), scenes_kept);
+                                             std::size_t scenes_kept, const TextureOptions& textures) {
+  return std::make_unique<StandardRunner>(std::move(source), std::move(device), scenes_kept, textures);
 }
 
 std::string device_class(const std::string& version, const DeviceInfo& device) {

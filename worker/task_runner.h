@@ -9,6 +9,7 @@
 
 #include "core/scene/scene.h"
 #include "worker/denoise/device.h"
+#include "worker/render/texture_options.h"
 #include "worker/worker.h"
 
 namespace tessera {
@@ -21,9 +22,10 @@ using SceneSource = std::function<std::shared_ptr<const Scene>(const SceneRef&)>
 // Always the one scene, which is loaded already: local mode.
 SceneSource scene_in_hand(std::shared_ptr<const Scene>);
 
-// Filters on `device`. Keeps the last `scenes_kept` scenes made ready, by content hash.
+// Filters on `device`. Keeps the last `scenes_kept` scenes made ready, by content hash; their textures share
+// one limit of memory.
 std::unique_ptr<TaskRunner> make_task_runner(SceneSource, std::unique_ptr<Device> device,
-                                             std::size_t scenes_kept = 2);
+                                             std::size_t scenes_kept = 2, const TextureOptions& = {});
 
 // The unit within which bits are promised equal: version, instruction set, and the OpenCL device with its
 // driver.

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The content hash of a scene: SHA-256 (FIPS 180-4) over its fields in the order of scene.h, numbers as
 // little-endian IEEE 754, every list preceded by its length. Names that no pixel depends on are left out.
-#include <fmt/format.h>
-#include <openssl/evp.h>
-
 #include <bit>
-#include <memory>
 #include <span>
-#include <stdexcept>
 
 #include "core/scene/load.h"
+#include "core/sha256.h"
 
 namespace tessera {
 namespace {
@@ -19,23 +15,18 @@ static_assert(sizeof(Vec3) == 12 && sizeof(Vec2) == 8 && sizeof(Color) == 12 && 
 
 class Hash {
  public:
-  Hash() {
-    if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1)
-      throw std::runtime_error("SHA-256 is not available");
-  }
-
   // Values without padding, as they lie in memory.
   template <class T>
   void add(std::span<const T> values) {
     add(static_cast<std::uint64_t>(values.size()));
-    EVP_DigestUpdate(context_.get(), values.data(), values.size_bytes());
+    hash_.add(values.data(), values.size_bytes());
   }
   void add(const std::string& text) { add(std::span<const char>(text)); }
-  void add(std::uint64_t v) { EVP_DigestUpdate(context_.get(), &v, sizeof v); }
+  void add(std::uint64_t v) { hash_.add(&v, sizeof v); }
   void add(int v) { add(static_cast<std::uint64_t>(static_cast<std::int64_t>(v))); }
-  void add(float v) { EVP_DigestUpdate(context_.get(), &v, sizeof v); }
-  void add(const Vec3& v) { EVP_DigestUpdate(context_.get(), &v, sizeof v); }
-  void add(const Matrix& m) { EVP_DigestUpdate(context_.get(), &m, sizeof m); }
+  void add(float v) { hash_.add(&v, sizeof v); }
+  void add(const Vec3& v) { hash_.add(&v, sizeof v); }
+  void add(const Matrix& m) { hash_.add(&m, sizeof m); }
 
   void add(bool v) { add(static_cast<int>(v)); }
   template <class E>
@@ -47,8 +38,9 @@ class Hash {
     add(std::span<const float>(t.transform));
   }
   void add(const Picture& p) {
-    add_all(p.width, p.height, p.channels);
+    add_all(p.width, p.height, p.channels, p.encoding, p.digest, p.udim);
     add(std::span<const float>(p.pixels));
+    add_list(p.tiles);
   }
   void add(const Material& m) {
     add_all(m.kind, m.base_color, m.base_color_texture, m.metallic, m.roughness, m.metallic_roughness_texture,
@@ -107,12 +99,7 @@ class Hash {
     for (const T& item : list) add(item);
   }
 
-  std::string hex() {
-    unsigned char digest[EVP_MAX_MD_SIZE];
-    unsigned size = 0;
-    EVP_DigestFinal_ex(context_.get(), digest, &size);
-    return fmt::format("{:02x}", fmt::join(digest, digest + size, ""));
-  }
+  std::string hex() { return hash_.hex(); }
 
  private:
   template <class... T>
@@ -120,7 +107,7 @@ class Hash {
     (add(values), ...);
   }
 
-  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_{EVP_MD_CTX_new(), EVP_MD_CTX_free};
+  Sha256 hash_;
 };
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "core/scene/files.h"
+#include "core/sha256.h"
 
 namespace tessera {
 namespace {
@@ -24,15 +25,20 @@ constexpr float kLargestHalf = 65504.0f;
 float from_srgb(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
 
 // The format by the first bytes of a file: an embedded image has no name to go by.
-std::string_view extension_by_content(std::span<const unsigned char> bytes) {
-  const std::string_view start(reinterpret_cast<const char*>(bytes.data()),
-                               std::min<std::size_t>(bytes.size(), 16));
+std::string_view extension_by_content(std::string_view start) {
   if (start.starts_with("\x89PNG")) return ".png";
   if (start.starts_with("\xff\xd8\xff")) return ".jpg";
   if (start.starts_with("\x76\x2f\x31\x01")) return ".exr";
   if (start.starts_with("#?R")) return ".hdr";
   if (start.starts_with("BM")) return ".bmp";
   return {};
+}
+
+// Whether the last scan of a JPEG file has an end (ITU T.81, section B.1.1.3): libjpeg paints grey what is
+// missing.
+bool jpeg_ends(std::string_view bytes) {
+  const std::size_t end = bytes.rfind("\xff\xd9"), scan = bytes.rfind("\xff\xda");
+  return end != bytes.npos && (scan == bytes.npos || scan < end);
 }
 
 std::string reason(std::string text) {
@@ -67,13 +73,23 @@ void make_finite(Picture& picture) {
     if (!std::isfinite(v)) v = std::isnan(v) ? 0.0f : std::copysign(kLargestHalf, v);
 }
 
-Picture decode(OIIO::ImageInput& input, const std::string& name, Encoding encoding, std::string_view where) {
+Picture decode(OIIO::ImageInput& input, const std::string& name, Encoding encoding, std::string_view where,
+               Keep keep) {
   const OIIO::ImageSpec& spec = input.spec();
   check_spec(spec, where);
-  Picture picture{name, spec.width, spec.height, spec.nchannels, {}};
+  Picture picture{name, spec.width, spec.height, spec.nchannels, {}, encoding};
+  const auto read = [&](OIIO::TypeDesc type, void* values) {
+    // Of a TIFF file that ends early only the error tells.
+    if (!input.read_image(0, 0, 0, spec.nchannels, type, values) || input.has_error())
+      throw InputError(where, reason(input.geterror()), kFormats);
+  };
+  if (keep == Keep::source) {
+    std::vector<char> values(spec.image_bytes());
+    read(spec.format, values.data());
+    return picture;
+  }
   picture.pixels.resize(static_cast<std::size_t>(spec.width) * spec.height * spec.nchannels);
-  if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, picture.pixels.data()))
-    throw InputError(where, reason(input.geterror()), kFormats);
+  read(OIIO::TypeDesc::FLOAT, picture.pixels.data());
   if (encoding == Encoding::srgb && !spec.format.is_floating_point()) make_linear(picture);
   make_finite(picture);
   return picture;
@@ -85,10 +101,24 @@ OIIO::ImageSpec opening() {
   return config;
 }
 
-template <class Body>
-Picture guarded(std::string_view where, const Body& body) {
+// An image in memory; what its bytes do not tell is told by the extension of its name.
+Picture decode_bytes(std::string_view bytes, const std::string& name, Encoding encoding,
+                     std::string_view where, Keep keep) {
+  std::string extension(extension_by_content(bytes));
+  if (extension.empty()) extension = extension_of(name);
+  if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end())
+    throw InputError(where, "this is no image we know", kFormats);
+  if (extension == ".jpg" && !jpeg_ends(bytes)) throw InputError(where, "the image ends early", kFormats);
   try {
-    return body();
+    OIIO::Filesystem::IOMemReader memory(const_cast<char*>(bytes.data()), bytes.size());
+    OIIO::ImageSpec config = opening();
+    OIIO::Filesystem::IOProxy* source = &memory;
+    config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &source);
+    const auto input = OIIO::ImageInput::open("image" + extension, &config);
+    if (!input) throw InputError(where, reason(OIIO::geterror()), kFormats);
+    Picture picture = decode(*input, name, encoding, where, keep);
+    picture.digest = sha256(bytes);
+    return picture;
   } catch (const Error&) {
     throw;
   } catch (const std::exception& e) {
@@ -96,65 +126,107 @@ Picture guarded(std::string_view where, const Body& body) {
   }
 }
 
-Picture decode_as(std::span<const unsigned char> bytes, std::string_view extension, const std::string& name,
-                  Encoding encoding, std::string_view where) {
-  return guarded(where, [&] {
-    OIIO::Filesystem::IOMemReader memory(const_cast<unsigned char*>(bytes.data()), bytes.size());
-    OIIO::ImageSpec config = opening();
-    OIIO::Filesystem::IOProxy* source = &memory;
-    config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &source);
-    const auto input = OIIO::ImageInput::open("image" + std::string(extension), &config);
-    if (!input) throw InputError(where, reason(OIIO::geterror()), kFormats);
-    return decode(*input, name, encoding, where);
-  });
+// The number of a tile whose file is called `name`, or 0.
+int udim_of(std::string_view name, std::string_view before, std::string_view after) {
+  if (name.size() != before.size() + 4 + after.size() || !name.starts_with(before) || !name.ends_with(after))
+    return 0;
+  int number = 0;
+  for (const char c : name.substr(before.size(), 4)) {
+    if (c < '0' || c > '9') return 0;
+    number = 10 * number + (c - '0');
+  }
+  return number > 1000 ? number : 0;
 }
 
 }  // namespace
 
-Picture decode_picture(std::span<const unsigned char> bytes, const std::string& name, Encoding encoding) {
-  const std::string_view extension = extension_by_content(bytes);
-  if (extension.empty()) throw InputError(name, "this is no image we know", kFormats);
-  return decode_as(bytes, extension, name, encoding, name);
+Picture decode_picture(std::span<const unsigned char> bytes, const std::string& name, Encoding encoding,
+                       Keep keep) {
+  auto kept = std::make_shared<const std::string>(bytes.begin(), bytes.end());
+  Picture picture = decode_bytes(*kept, name, encoding, name, keep);
+  picture.bytes = std::move(kept);
+  return picture;
 }
 
-Picture read_picture(const std::filesystem::path& file, Encoding encoding, std::string_view where) {
+Picture read_picture(const std::filesystem::path& file, Encoding encoding, std::string_view where,
+                     Keep keep) {
   const std::string name = file.string();
-  const std::string place = where.empty() ? name : fmt::format("{}: {}", where, name);
-  const std::string bytes = read_file(file, kMaxPictureBytes, where);
-  const std::span data(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
-  const std::string_view content = extension_by_content(data);
-  if (!content.empty()) return decode_as(data, content, name, encoding, place);
-  const std::string extension = extension_of(file);
-  if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end())
-    throw InputError(place, "this is no image we know", kFormats);
-  return guarded(place, [&] {
-    const OIIO::ImageSpec config = opening();
-    const auto input = OIIO::ImageInput::open(name, &config);
-    if (!input) throw InputError(place, reason(OIIO::geterror()), kFormats);
-    return decode(*input, name, encoding, place);
-  });
+  return decode_bytes(read_file(file, kMaxPictureBytes, where), name, encoding,
+                      where.empty() ? name : fmt::format("{}: {}", where, name), keep);
+}
+
+Picture read_udims(const std::filesystem::path& pattern, Encoding encoding, std::string_view where) {
+  const std::string name = pattern.filename().string();
+  const std::size_t at = name.find(kUdim);
+  Picture all;
+  std::map<int, std::filesystem::path> files;
+  std::error_code none;
+  const std::filesystem::path folder = pattern.has_parent_path() ? pattern.parent_path() : ".";
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none))
+    if (const int udim = udim_of(entry.path().filename().string(), std::string_view(name).substr(0, at),
+                                 std::string_view(name).substr(at + kUdim.size())))
+      files[udim] = entry.path();
+  if (files.empty())
+    throw InputError(where.empty() ? pattern.string() : where,
+                     fmt::format("{}: there is no such file", pattern.string()),
+                     "tiles with numbers from 1001 in place of <UDIM>");
+  Sha256 digest;
+  for (const auto& [udim, file] : files) {
+    Picture& tile = all.tiles.emplace_back(read_picture(file, encoding, where, Keep::source));
+    tile.udim = udim;
+    digest.add(tile.digest.data(), tile.digest.size());
+  }
+  const Picture& first = all.tiles.front();
+  all.name = pattern.string();
+  all.width = first.width, all.height = first.height, all.channels = first.channels;
+  all.encoding = encoding;
+  all.digest = digest.hex();
+  return all;
+}
+
+Picture with_pixels(const Picture& picture) {
+  if (picture.digest.empty() || !picture.pixels.empty()) return picture;
+  const auto bytes = picture.bytes
+                         ? picture.bytes
+                         : std::make_shared<const std::string>(read_file(picture.name, kMaxPictureBytes));
+  if (sha256(*bytes) != picture.digest)
+    throw InputError(picture.name, "the image is not the one that was loaded with the scene",
+                     "files that stay as they are while they are rendered");
+  Picture full = decode_bytes(*bytes, picture.name, picture.encoding, picture.name, Keep::pixels);
+  full.bytes = picture.bytes;
+  full.udim = picture.udim;
+  return full;
 }
 
 template <class Decode>
-int PictureShelf::place_once(const std::string& name, Encoding encoding, const Decode& decode_it) {
-  const auto key = std::make_pair(name, encoding);
+int PictureShelf::place_once(const std::string& name, Encoding encoding, Keep keep, const Decode& decode_it) {
+  const auto key = std::make_tuple(name, encoding, keep);
   if (const auto it = placed_.find(key); it != placed_.end()) return it->second;
   Picture picture = decode_it();
-  floats_ += picture.pixels.size();
-  if (floats_ > kMaxShelfFloats)
+  const auto count = [&](const Picture& p) {
+    bytes_ += p.pixels.size() * sizeof(float) + (p.bytes ? p.bytes->size() : 0);
+    values_ += static_cast<std::uint64_t>(p.width) * p.height * p.channels;
+  };
+  count(picture);
+  for (const Picture& tile : picture.tiles) count(tile);
+  if (bytes_ > kMaxShelfBytes || values_ > kMaxShelfValues)
     throw InputError(name, "with this one the pictures hold too much",
-                     fmt::format("{} values in all", kMaxShelfFloats));
+                     fmt::format("{} bytes in memory and {} values in all", kMaxShelfBytes, kMaxShelfValues));
   scene_.pictures.push_back(std::move(picture));
   return placed_[key] = static_cast<int>(scene_.pictures.size()) - 1;
 }
 
-int PictureShelf::place(const std::filesystem::path& file, Encoding encoding, std::string_view where) {
-  return place_once(file.lexically_normal().string(), encoding,
-                    [&] { return read_picture(file, encoding, where); });
+int PictureShelf::place(const std::filesystem::path& file, Encoding encoding, std::string_view where,
+                        Keep keep) {
+  return place_once(file.lexically_normal().string(), encoding, keep, [&] {
+    const bool tiled = keep == Keep::source && file.filename().string().find(kUdim) != std::string::npos;
+    return tiled ? read_udims(file, encoding, where) : read_picture(file, encoding, where, keep);
+  });
 }
 
 int PictureShelf::place(std::span<const unsigned char> bytes, const std::string& name, Encoding encoding) {
-  return place_once(name, encoding, [&] { return decode_picture(bytes, name, encoding); });
+  return place_once(name, encoding, Keep::source,
+                    [&] { return decode_picture(bytes, name, encoding, Keep::source); });
 }
 
 }  // namespace tessera

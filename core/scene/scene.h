@@ -23,11 +23,20 @@ using Vec3 = Imath::V3f;
 using Color = Imath::C3f;
 using Matrix = Imath::M44f;  // row vectors: p' = p * M, as in Imath and OpenEXR
 
-// Pixels of a texture or environment, decoded. Row 0 is the top.
+// What the numbers of an integer file mean. Files of floats are linear whatever is asked for.
+enum class Encoding : std::uint8_t { srgb, linear };
+
+// A texture or environment: its pixels or, where they are not all needed at once, the image that has them.
+// Row 0 is the top. A set of UDIM tiles is one picture.
 struct Picture {
-  std::string name;                         // file or, for an embedded image, file#index: for messages
-  int width = 0, height = 0, channels = 0;  // 1 to 4
-  std::vector<float> pixels;                // interleaved, linear if decoded from sRGB
+  std::string name;                         // file or, for an embedded image, file#index
+  int width = 0, height = 0, channels = 0;  // 1 to 4; of the first tile
+  std::vector<float> pixels;  // interleaved, linear; empty: with_pixels() reads them (pictures.h)
+  Encoding encoding = Encoding::srgb;
+  std::string digest;  // hex SHA-256 of the encoded image when the scene was loaded; empty: there is none
+  std::shared_ptr<const std::string> bytes;  // the encoded image if it was embedded; shared by copies
+  std::vector<Picture> tiles;                // by rising udim; a picture with tiles is nothing but them
+  int udim = 0;  // of a tile: 1001 + column + 10 row, rows counted from the bottom
 };
 
 // How a material looks up a picture. uv (0, 0) is the top left corner, as in glTF.

@@ -2,7 +2,6 @@
 #include "worker/render/material.h"
 
 #include "worker/render/bsdf/fresnel.h"
-#include "worker/render/texture.h"
 
 namespace tessera::tracer {
 namespace {
@@ -34,20 +33,20 @@ float specular_share(const Bsdf& b) {
 Color Materials::emission(int material, const Vec2& uv) const {
   const Material& m = (*this)[material];
   if (!m.emission_texture || is_black(m.emission)) return m.emission;
-  return m.emission * rgb(lookup(*scene_, m.emission_texture, uv));
+  return m.emission * rgb(textures_.lookup(m.emission_texture, uv, 0));
 }
 
 Color Materials::mean_emission(int material) const {
   const Material& m = (*this)[material];
   if (!m.emission_texture) return m.emission;
-  return m.emission * average(scene_->pictures[static_cast<std::size_t>(m.emission_texture.picture)]);
+  return m.emission * textures_.average(m.emission_texture);
 }
 
 bool Materials::solid(int material, const Vec2& uv) const {
   const Material& m = (*this)[material];
   if (m.alpha != Material::Alpha::mask) return true;
   const float alpha =
-      m.base_color_texture ? m.base_alpha * lookup(*scene_, m.base_color_texture, uv)[3] : m.base_alpha;
+      m.base_color_texture ? m.base_alpha * textures_.lookup(m.base_color_texture, uv, 0)[3] : m.base_alpha;
   return alpha >= m.alpha_cutoff;
 }
 
@@ -55,7 +54,7 @@ Vec3 Materials::mapped_normal(const Material& m, const Geometry& geometry, const
                               const Surface& s) const {
   Vec3 along_u, up;
   if (!geometry.tangents(hit, along_u, up)) return s.ns;
-  const Texel t = lookup(*scene_, m.normal_texture, s.uv);
+  const Texel t = textures_.lookup(m.normal_texture, s.uv, 0);
   const Vec3 raw = along_u - s.ns * dot(along_u, s.ns);
   if (!(dot(raw, raw) > 0)) return s.ns;
   const Vec3 tangent = unit(raw);
@@ -79,12 +78,12 @@ Bsdf Materials::bsdf(const Geometry& geometry, const Hit& hit, const Surface& s,
   if (m.kind != Material::Kind::diffuse || dot(wo, ns) <= 0) ns = bent(ns, b.ng, wo);
   b.frame = Frame(ns);
   b.wo = b.frame.to_local(wo);
-  b.color =
-      m.base_color_texture ? m.base_color * rgb(lookup(*scene_, m.base_color_texture, s.uv)) : m.base_color;
+  b.color = m.base_color_texture ? m.base_color * rgb(textures_.lookup(m.base_color_texture, s.uv, 0))
+                                 : m.base_color;
   if (m.kind == Material::Kind::diffuse) return b;
   float roughness = m.roughness, metallic = m.metallic;
   if (m.metallic_roughness_texture) {
-    const Texel t = lookup(*scene_, m.metallic_roughness_texture, s.uv);
+    const Texel t = textures_.lookup(m.metallic_roughness_texture, s.uv, 0);
     roughness *= t[1];
     metallic *= t[2];
   }

@@ -4,12 +4,17 @@
 
 #include "worker/render/bsdf/bsdf.h"
 #include "worker/render/geometry.h"
+#include "worker/render/texture.h"
 
 namespace tessera::tracer {
 
 class Materials {
  public:
-  explicit Materials(const Scene& scene) : scene_(&scene) {}  // borrowed; must outlive this
+  // `scene` is borrowed and must outlive this. Throws what Textures throws.
+  explicit Materials(const Scene& scene, std::shared_ptr<TextureCache> cache = nullptr)
+      : scene_(&scene), textures_(scene, std::move(cache)) {}
+
+  const Textures& textures() const { return textures_; }
 
   bool emits(int material) const { return !is_black((*this)[material].emission); }
   bool masked(int material) const { return (*this)[material].alpha == Material::Alpha::mask; }
@@ -30,6 +35,7 @@ class Materials {
   Vec3 mapped_normal(const Material&, const Geometry&, const Hit&, const Surface&) const;
 
   const Scene* scene_;
+  Textures textures_;
 };
 
 }  // namespace tessera::tracer

@@ -13,13 +13,20 @@
 
 namespace tessera {
 
+namespace tracer {
+class TextureCache;
+}
+
 // A scene made ready for rays: acceleration structure, light and texture tables. Immutable, shared by
 // threads.
+// `cache` holds the textures, for all scenes of a process; null: one of its own. Throws Error if a texture
+// cannot be read any more or the cache cannot be written.
 class RenderScene;
 
 // Ready for one frame's shutter and for the chosen variant.
 std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene>, const RenderSettings& = {},
-                                           int frame = 0);
+                                           int frame = 0,
+                                           std::shared_ptr<tracer::TextureCache> cache = nullptr);
 
 // Equal for frames and settings between which what prepare() makes of this scene is the same.
 std::string preparation(const Scene&, const RenderSettings&, int frame);

@@ -34,11 +34,12 @@ tracer::Shutter tracer::shutter_of(const Scene& scene, const Camera& camera, int
   return {(frame + double(camera.shutter_open)) / fps, (frame + double(camera.shutter_close)) / fps};
 }
 
-RenderScene::RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shutter)
+RenderScene::RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shutter,
+                         std::shared_ptr<tracer::TextureCache> cache)
     : scene_(std::move(scene)),
       shutter_(shutter),
       geometry_(*scene_),
-      materials_(*scene_),
+      materials_(*scene_, std::move(cache)),
       bvh_(
           geometry_, [this](int material) { return materials_.masked(material); },
           [this](const tracer::Hit& hit) {
@@ -65,9 +66,9 @@ Vec3 RenderScene::one_frame_before(const tracer::Hit& hit, const Vec3& position)
 }
 
 std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene> scene, const RenderSettings& settings,
-                                           int frame) {
+                                           int frame, std::shared_ptr<tracer::TextureCache> cache) {
   const tracer::Shutter shutter = shutter_for(*scene, settings, frame);
-  return std::make_shared<RenderScene>(std::move(scene), shutter);
+  return std::make_shared<RenderScene>(std::move(scene), shutter, std::move(cache));
 }
 
 std::string preparation(const Scene& scene, const RenderSettings& settings, int frame) {

@@ -17,7 +17,8 @@ Shutter shutter_of(const Scene& scene, const Camera& camera, int frame);
 
 class RenderScene {
  public:
-  explicit RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shutter = {});
+  RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shutter,
+              std::shared_ptr<tracer::TextureCache> cache);
 
   const Scene& scene() const { return *scene_; }
   const tracer::Geometry& geometry() const { return geometry_; }

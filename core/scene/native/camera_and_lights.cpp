@@ -62,7 +62,8 @@ Environment read_environment(const Node& node, PictureShelf& shelf) {
   environment.radiance = node.color("radiance", Color(1));
   environment.rotation = radians(node.number("rotation", 0));
   if (node.has("image"))
-    environment.picture = shelf.place(node.path("image"), Encoding::srgb, node.at("image").where());
+    environment.picture =
+        shelf.place(node.path("image"), Encoding::srgb, node.at("image").where(), Keep::pixels);
   return environment;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <regex>
 
+#include "core/scene/pictures.h"
 #include "tests/core/scene/folder.h"
 #include "tests/core/scene/glb.h"
 
@@ -68,7 +69,7 @@ TEST_F(Gltf, OnePictureInTwoRolesIsDecodedInTwoWays) {
   const Material& paper = scene_.materials[0];
   ASSERT_NE(paper.base_color_texture.picture, paper.normal_texture.picture);
   const auto grey = [&](const Texture& t) {
-    return scene_.pictures[static_cast<std::size_t>(t.picture)].pixels[12];
+    return with_pixels(scene_.pictures[static_cast<std::size_t>(t.picture)]).pixels[12];
   };
   EXPECT_FLOAT_EQ(grey(paper.normal_texture), 188.0f / 255);
   EXPECT_NEAR(grey(paper.base_color_texture), std::pow((188.0 / 255 + 0.055) / 1.055, 2.4), 1e-6);

@@ -32,6 +32,9 @@ TEST(ContentHash, DependsOnEveryFieldThatCanChangeAPixel) {
   const std::vector<std::function<void(Scene&)>> changes{
       [](Scene& s) { s.pictures[0].pixels[1] = 0.25f; },
       [](Scene& s) { s.pictures[0].channels = 1, s.pictures[0].width = 3; },
+      [](Scene& s) { s.pictures[0].digest = "00"; },
+      [](Scene& s) { s.pictures[0].encoding = Encoding::linear; },
+      [](Scene& s) { s.pictures[0].tiles.push_back({"t"}); },
       [](Scene& s) { s.materials[0].kind = Material::Kind::mirror; },
       [](Scene& s) { s.materials[0].base_color.y = 0; },
       [](Scene& s) { s.materials[0].base_color_texture.picture = 0; },

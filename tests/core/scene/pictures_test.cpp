@@ -73,5 +73,92 @@ TEST(PictureShelf, HoldsAFileOnceForEachEncoding) {
   EXPECT_EQ(scene.pictures.size(), 2u);
 }
 
+TEST(PictureShelf, ATextureIsDecodedToTheEndButItsPixelsAreNotKept) {
+  const Folder folder;
+  Scene scene;
+  PictureShelf shelf(scene);
+  const std::string png = contents(kData / "corners.png");
+  const Picture& file = scene.pictures[std::size_t(shelf.place(kData / "corners.png", Encoding::srgb))];
+  EXPECT_TRUE(file.pixels.empty());
+  EXPECT_EQ(file.width, 2);
+  EXPECT_EQ(with_pixels(file).pixels, read_picture(kData / "corners.png", Encoding::srgb).pixels);
+  const std::span bytes(reinterpret_cast<const unsigned char*>(png.data()), png.size());
+  const Picture& embedded = scene.pictures[std::size_t(shelf.place(bytes, "a.glb#images/0", Encoding::srgb))];
+  EXPECT_TRUE(embedded.pixels.empty());
+  EXPECT_EQ(with_pixels(embedded).pixels, with_pixels(scene.pictures[0]).pixels);
+  // Whole but for the end of its pixels.
+  const auto cut = folder.write("cut.png", png.substr(0, png.size() - 16));
+  EXPECT_THROW(shelf.place(cut, Encoding::srgb), InputError);
+  EXPECT_THROW(shelf.place(bytes.subspan(0, png.size() - 16), "b.glb#images/0", Encoding::srgb), InputError);
+  EXPECT_EQ(scene.pictures.size(), 2u);
+}
+
+TEST(PictureShelf, KeepsPixelsWhereTheyAreAskedFor) {
+  Scene scene;
+  PictureShelf shelf(scene);
+  const int source = shelf.place(kData / "corners.png", Encoding::srgb);
+  const int pixels = shelf.place(kData / "corners.png", Encoding::srgb, {}, Keep::pixels);
+  EXPECT_NE(source, pixels);
+  EXPECT_EQ(scene.pictures[std::size_t(pixels)].pixels.size(), 16u);
+}
+
+TEST(PictureShelf, AUdimNameIsAllItsTilesInOrder) {
+  const Folder folder;
+  const std::string png = contents(kData / "corners.png");
+  for (const char* name :
+       {"a.1012.png", "a.1001.png", "a.1000.png", "a.10010.png", "b.1002.png", "a.1003.jpg"})
+    folder.write(name, png);
+  Scene scene;
+  const Picture& set =
+      scene
+          .pictures[std::size_t(PictureShelf(scene).place(folder.path() / "a.<UDIM>.png", Encoding::linear))];
+  ASSERT_EQ(set.tiles.size(), 2u);
+  EXPECT_EQ(set.tiles[0].udim, 1001);
+  EXPECT_EQ(set.tiles[1].udim, 1012);
+  EXPECT_EQ(with_pixels(set.tiles[1]).pixels.size(), 16u);
+}
+
+TEST(PictureShelf, AUdimNameWithoutTilesOrWithABadOneIsRefused) {
+  const Folder folder;
+  const auto refusal_of_set = [&] {
+    Scene scene;
+    try {
+      PictureShelf(scene).place(folder.path() / "a.<UDIM>.png", Encoding::linear, "scene.json:/materials");
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string("placed");
+  };
+  EXPECT_THAT(refusal_of_set(), HasSubstr("scene.json:/materials: "));
+  EXPECT_THAT(refusal_of_set(), HasSubstr("a.<UDIM>.png: there is no such file"));
+  folder.write("a.1001.png", contents(kData / "corners.png"));
+  EXPECT_EQ(refusal_of_set(), "placed");
+  folder.write("a.1002.png", contents(kData / "corners.png").substr(0, 60));
+  EXPECT_THAT(refusal_of_set(), HasSubstr("a.1002.png: "));
+}
+
+TEST(Pictures, TiffAndTargaAreReadToo) {
+  const Folder folder;
+  std::string targa(18 + 3, '\0');
+  targa[2] = 2, targa[12] = 1, targa[14] = 1, targa[16] = 24;
+  targa[18] = '\xff';  // blue comes first
+  EXPECT_EQ(read_picture(folder.write("one.tga", targa), Encoding::srgb).pixels,
+            (std::vector<float>{0, 0, 1}));
+  // One grey pixel of 255: header, the pixel, and a directory of eight short entries.
+  std::string tiff("II*\0\x0a\0\0\0\xff\0", 10);
+  const int entries[][3] = {{256, 1, 1}, {257, 1, 1}, {258, 1, 8}, {259, 1, 1},
+                            {262, 1, 1}, {273, 1, 8}, {278, 1, 1}, {279, 1, 1}};
+  const auto add_number = [&](int value, int bytes) {
+    for (int i = 0; i < bytes; ++i) tiff += static_cast<char>(value >> (8 * i));
+  };
+  add_number(8, 2);
+  for (const auto& [tag, count, value] : entries)
+    add_number(tag, 2), add_number(3, 2), add_number(count, 4), add_number(value, 4);
+  add_number(0, 4);
+  EXPECT_EQ(read_picture(folder.write("one.tif", tiff), Encoding::srgb).pixels, (std::vector<float>{1}));
+  tiff[8 + 2 + 2 + 5 * 12 + 8] = '\x7f';  // the strip is beyond the file's end
+  EXPECT_THAT(refusal_of(folder.write("one.tif", tiff)), HasSubstr("one.tif: "));
+}
+
 }  // namespace
 }  // namespace tessera

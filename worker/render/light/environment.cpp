@@ -1,12 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/render/light/environment.h"
 
-#include "worker/render/texture.h"
-
 namespace tessera::tracer {
 namespace {
 
-const Texture around{.picture = 0, .wrap_u = Texture::Wrap::repeat, .wrap_v = Texture::Wrap::clamp};
+Color pixel(const Picture& p, int x, int y) {
+  const float* c = p.pixels.data() + (std::size_t(y) * p.width + x) * p.channels;
+  return {c[0], c[p.channels > 2 ? 1 : 0], c[p.channels > 2 ? 2 : 0]};
+}
+
+// Between pixel centres; u goes round, v ends at the poles. Both in [0, 1].
+Color bilinear(const Picture& p, const Vec2& uv) {
+  const float x = uv.x * static_cast<float>(p.width) - 0.5f, y = uv.y * static_cast<float>(p.height) - 0.5f;
+  const float left = std::floor(x), top = std::floor(y);
+  const int x0 = (std::clamp(static_cast<int>(left), -1, p.width - 1) + p.width) % p.width;
+  const int x1 = (x0 + 1) % p.width;
+  const int y0 = std::clamp(static_cast<int>(top), 0, p.height - 1);
+  const int y1 = std::clamp(static_cast<int>(top + 1), 0, p.height - 1);
+  return lerp(lerp(pixel(p, x0, y0), pixel(p, x1, y0), x - left),
+              lerp(pixel(p, x0, y1), pixel(p, x1, y1), x - left), y - top);
+}
 
 // Integral over pixel (x, y) of the bilinear interpolant: never 0 where the interpolant is not.
 Color pixel_mean(const Picture& p, int x, int y) {
@@ -15,16 +28,14 @@ Color pixel_mean(const Picture& p, int x, int y) {
     for (int dx = -1; dx <= 1; ++dx) {
       const int sx = (x + dx + p.width) % p.width, sy = std::clamp(y + dy, 0, p.height - 1);
       const float weight = (dx ? 0.125f : 0.75f) * (dy ? 0.125f : 0.75f);
-      const float* c = p.pixels.data() + (std::size_t(sy) * p.width + sx) * p.channels;
-      sum += Color(c[0], c[p.channels > 2 ? 1 : 0], c[p.channels > 2 ? 2 : 0]) * weight;
+      sum += pixel(p, sx, sy) * weight;
     }
   return sum;
 }
 
 }  // namespace
 
-EnvironmentLight::EnvironmentLight(const Scene& scene)
-    : scene_(&scene), factor_(scene.environment.radiance), mean_(factor_) {
+EnvironmentLight::EnvironmentLight(const Scene& scene) : factor_(scene.environment.radiance), mean_(factor_) {
   if (scene.environment.picture < 0) return;
   picture_ = &scene.pictures[static_cast<std::size_t>(scene.environment.picture)];
   cos_ = std::cos(scene.environment.rotation);
@@ -58,10 +69,7 @@ Vec2 EnvironmentLight::uv(const Vec3& d) const {
 
 Color EnvironmentLight::radiance(const Vec3& direction) const {
   if (!picture_) return factor_;
-  Texture texture = around;
-  texture.picture = scene_->environment.picture;
-  const Texel t = lookup(*scene_, texture, uv(direction));
-  return factor_ * Color(t[0], t[1], t[2]);
+  return factor_ * bilinear(*picture_, uv(direction));
 }
 
 EnvironmentLight::Direction EnvironmentLight::sample(const Vec2& u) const {

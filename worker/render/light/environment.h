@@ -30,7 +30,6 @@ class EnvironmentLight {
  private:
   Vec2 uv(const Vec3& direction) const;
 
-  const Scene* scene_;
   const Picture* picture_ = nullptr;
   Color factor_, mean_;
   float cos_ = 1, sin_ = 0;  // of the rotation

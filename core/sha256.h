@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// SHA-256 (FIPS 180-4) of bytes that come in pieces.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace tessera {
+
+class Sha256 {
+ public:
+  Sha256();
+  void add(const void* data, std::size_t bytes);
+  std::string hex();  // 64 lower-case digits; the end: nothing may be added after it
+
+ private:
+  struct Free {
+    void operator()(void* context) const;
+  };
+  std::unique_ptr<void, Free> context_;
+};
+
+std::string sha256(std::string_view bytes);
+
+}  // namespace tessera
