@@ -159,10 +159,10 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{R"({"materials": {"a": {"color_texture": {"file": "x.png", "uv_set": 2}}}})",
                 "s.json:/materials/a/color_texture/uv_set: is 2; accepted: an integer from 0 to 1"},
         Refused{
-            R"({"materials": {"a": {"color_texture": {"file": "x.png", "transform": {"matrix": [1], "scale": [1, 1]}}}}})",
+            R"({"materials": {"a": {"color_texture": {"file": "x.png", "transform": {"matrix": [1, 0, 0, 0, 1, 0], "scale": [1, 1]}}}}})",
             "s.json:/materials/a/color_texture/transform: 'matrix' and 'scale' cannot stand together"},
-        Refused{R"({"objects": {"a": {"visible": true}}})",
-                "s.json:/objects/a/visible: unknown key 'visible'; did you mean 'visibility'?"},
+        Refused{R"({"objects": {"a": {"visibilty": true}}})",
+                "s.json:/objects/a/visibilty: unknown key 'visibilty'; did you mean 'visibility'?"},
         Refused{R"({"objects": {"a": {"material": "none"}}})",
                 "s.json:/objects/a/material: unknown material 'none'"},
         Refused{R"({"spheres": [{"center": [0, 0, 0], "object": "bal"}], "objects": {"ball": {}}})",

@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <sstream>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
 #include <valijson/schema_parser.hpp>
@@ -164,6 +166,31 @@ void expect_names(const json& stated, const Table& known) {
   ASSERT_EQ(stated.size(), known.size());
   for (const auto& [name, value] : known)
     EXPECT_EQ(std::count(stated.begin(), stated.end(), name), 1) << name;
+}
+
+// Every key below `part`, with what is said of it.
+void for_each_property(const json& part, const std::function<void(const std::string&, const json&)>& see) {
+  if (!part.is_structured()) return;
+  if (part.is_object() && part.contains("properties"))
+    for (const auto& [key, property] : part["properties"].items()) see(key, property);
+  for (const auto& [key, value] : part.items()) for_each_property(value, see);
+}
+
+TEST(Schema, IsWhatTheDocumentSays) {
+  std::vector<std::string> lines;
+  std::stringstream document(contents(std::filesystem::path(TESSERA_SOURCE_DIR) / "docs/SCENE.md"));
+  for (std::string line; std::getline(document, line);) lines.push_back(line);
+  for_each_property(json::parse(scene_schema()), [&](const std::string& key, const json& property) {
+    const auto says = [&](const std::string& line) {
+      return line.starts_with("| `" + key + "` |") &&
+             (!property.contains("default") ||
+              line.find("| `" + property["default"].dump() + "` |") != line.npos) &&
+             (!property.contains("description") ||
+              line.find(property["description"].get<std::string>()) != line.npos);
+    };
+    EXPECT_EQ(std::count_if(lines.begin(), lines.end(), says) > 0, key != "type" || property.contains("enum"))
+        << key << ": " << property;
+  });
 }
 
 TEST(Schema, NamesWhatTheReaderKnows) {
