@@ -53,15 +53,17 @@ int usable_threads() {
                    granted_by("CUE_THREADS")});
 }
 
-LocalFarm::LocalFarm(std::shared_ptr<const Scene> scene, int threads, const std::string& device)
-    : LocalFarm(std::move(scene), threads, Device::open(device)) {}
+LocalFarm::LocalFarm(std::shared_ptr<const Scene> scene, int threads, const std::string& device,
+                     const TextureOptions& textures)
+    : LocalFarm(std::move(scene), threads, Device::open(device), textures) {}
 
-LocalFarm::LocalFarm(std::shared_ptr<const Scene> scene, int threads, std::unique_ptr<Device> device)
+LocalFarm::LocalFarm(std::shared_ptr<const Scene> scene, int threads, std::unique_ptr<Device> device,
+                     const TextureOptions& textures)
     : router_(context_, {kEndpoint}, loud("coordinator")),
       coordinator_(router_, {}),
       dealer_(context_, kEndpoint, "local", loud("worker")),
       device_class_(device_class(std::string(kVersion), device->info())),
-      runner_(make_task_runner(scene_in_hand(std::move(scene)), std::move(device))),
+      runner_(make_task_runner(scene_in_hand(std::move(scene)), std::move(device), 2, textures)),
       worker_({.slots = threads, .version = std::string(kVersion), .device_class = device_class_}, dealer_,
               *runner_),
       thread_([this] { work(); }) {}

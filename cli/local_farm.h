@@ -16,13 +16,15 @@ namespace tessera {
 class LocalFarm {
  public:
   // `device` as Device::open takes it. Throws Error(no_device).
-  LocalFarm(std::shared_ptr<const Scene> scene, int threads, const std::string& device);
+  LocalFarm(std::shared_ptr<const Scene> scene, int threads, const std::string& device,
+            const TextureOptions& textures = {});
   ~LocalFarm();
 
   Coordinator& coordinator() { return coordinator_; }
 
  private:
-  LocalFarm(std::shared_ptr<const Scene> scene, int threads, std::unique_ptr<Device> device);
+  LocalFarm(std::shared_ptr<const Scene> scene, int threads, std::unique_ptr<Device> device,
+            const TextureOptions& textures);
   void work();
 
   ZmqContext context_;

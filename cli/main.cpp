@@ -20,6 +20,7 @@ namespace {
 constexpr std::array kCommands{
     Subcommand{"render", "Render a scene on this machine until the image is good enough", describe_render},
     Subcommand{"compare", "Measure the error of an image against a reference", describe_compare},
+    Subcommand{"scene", "Check, describe or convert a scene", describe_scene},
     Subcommand{"devices", "List the OpenCL devices that can filter", describe_devices},
     Subcommand{"filters", "List the filters, their parameters and halos", describe_filters},
     Subcommand{"schema", "Print the JSON Schema of the native scene format", describe_schema},

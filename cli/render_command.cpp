@@ -197,7 +197,7 @@ int render_scene(const RenderOptions& o) {
 
   UnderWay under_way;
   const Signals signals([&](int signal) { under_way.hear(signal); });
-  const auto scene = std::make_shared<const Scene>(load_scene(o.scene));
+  const auto scene = std::make_shared<const Scene>(load_scene(o.scene, o.limits));
   for (const std::string& warning : scene->warnings) spdlog::warn("{}", warning);
   camera_index(*scene, o.camera);
   variant_of(*scene, o.variant);
@@ -205,7 +205,7 @@ int render_scene(const RenderOptions& o) {
   require_foreign(file, o, *scene);
   job.scene.hash = content_hash(*scene);
 
-  LocalFarm farm(scene, o.threads.value_or(usable_threads()), o.device);
+  LocalFarm farm(scene, o.threads.value_or(usable_threads()), o.device, {.memory = o.texture_memory << 20});
   const JobReport report = run(o, job, *scene, farm, under_way);
   if (report.failure)
     throw Error(report.bad_input ? ExitCode::bad_input : ExitCode::job_failed, *report.failure);

@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "cli/compare.h"
+#include "cli/limit_options.h"
 #include "core/error.h"
 #include "core/exr.h"
 #include "core/sample_range.h"
@@ -144,6 +145,11 @@ void describe(CLI::App& app, RenderOptions& o) {
       ->envname("TESSERA_REGULARISE")
       ->capture_default_str();
   app.add_option("--aov", o.aovs, fmt::format("More layers to write: {}", aov_names()))->delimiter(',');
+  add_limit_option(app, o.limits);
+  app.add_option("--texture-memory", o.texture_memory, "MiB of textures held in memory")
+      ->check(CLI::Range(std::uint64_t{16}, std::uint64_t{1} << 24))
+      ->envname("TESSERA_TEXTURE_MEMORY")
+      ->capture_default_str();
   app.add_option("--device", o.device, "OpenCL device: number or part of its name [first CPU]")
       ->envname("TESSERA_DEVICE");
   app.add_flag("--list-devices", o.list_devices, "List the OpenCL devices and end");

@@ -10,6 +10,7 @@
 
 #include "cli/progress_display.h"
 #include "core/job.h"
+#include "core/scene/limits.h"
 
 namespace tessera {
 
@@ -28,7 +29,9 @@ struct RenderOptions {
   int max_bounces = 8;
   int sure_bounces = 2;
   double clamp_direct = 0, clamp_indirect = 0, regularise = 0;
-  std::optional<int> threads;  // none: what this process may use
+  ImportLimits limits;
+  std::uint64_t texture_memory = 1024;  // MiB
+  std::optional<int> threads;           // none: what this process may use
   std::string tile_size = "256";
   std::vector<std::string> aovs;
   std::string device;

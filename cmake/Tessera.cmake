@@ -18,6 +18,12 @@ target_compile_options(tessera_options INTERFACE
   -march=${TESSERA_ARCH} -fno-math-errno -fno-trapping-math
   -Wall -Wextra -Wpedantic -Wshadow -Wno-missing-field-initializers -Wno-restrict
   $<$<BOOL:${TESSERA_WERROR}>:-Werror>)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  target_compile_options(tessera_options INTERFACE -Wno-unknown-warning-option)  # those of GCC
+endif()
+if(TESSERA_FUZZ)
+  target_compile_options(tessera_options INTERFACE -fsanitize=fuzzer-no-link -fno-sanitize-recover=all)
+endif()
 if(TESSERA_SANITIZE)
   target_compile_options(tessera_options INTERFACE -fsanitize=${TESSERA_SANITIZE} -fno-omit-frame-pointer -O1
     -Wno-maybe-uninitialized)  # false alarms of GCC 12 where checks are woven in

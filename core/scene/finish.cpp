@@ -24,6 +24,14 @@ bool finite(const Matrix& m) {
 
 bool finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
+// To float precision: then there is nothing to mend, and loading what was saved changes no bit.
+bool is_placement(const Matrix& m, const Vec3& x, const Vec3& y, const Vec3& z) {
+  const auto same = [&](int row, const Vec3& axis) {
+    return m[row][3] == 0 && (Vec3(m[row][0], m[row][1], m[row][2]) - axis).length() < 1e-6f;
+  };
+  return same(0, x) && same(1, y) && same(2, z) && m[3][3] == 1;
+}
+
 class Finisher {
  public:
   Finisher(Scene& scene, const std::string& file) : scene_(scene), file_(file) {}
@@ -38,8 +46,8 @@ class Finisher {
     finish_lights();
     for (Camera& c : scene_.cameras) finish_camera(c);
     if (scene_.cameras.empty()) scene_.cameras.push_back(framing_camera(scene_));
-    if (scene_.instances.empty() && scene_.spheres.empty())
-      warn_here("there is nothing to see: no triangles, no spheres");
+    if (scene_.instances.empty() && scene_.spheres.empty() && scene_.quads.empty() && scene_.disks.empty())
+      warn_here("there is nothing to see: no triangles, spheres, quads or disks");
   }
 
  private:
@@ -127,6 +135,7 @@ class Finisher {
     const Matrix& m = camera.to_world;
     const Vec3 back = Vec3(m[2][0], m[2][1], m[2][2]).normalized();
     const Vec3 x = Vec3(m[1][0], m[1][1], m[1][2]).cross(back).normalized(), y = back.cross(x);
+    if (finite(m) && is_placement(m, x, y, back)) return;
     if (!finite(m) || !(x.length() > 0.5f))
       throw InputError(file_,
                        fmt::format("the camera '{}' looks nowhere: its matrix is singular", camera.name));

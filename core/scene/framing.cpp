@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/framing.h"
 
-#include <Imath/ImathBox.h>
-
+#include <algorithm>
 #include <cmath>
 
 namespace tessera {
-namespace {
 
 Imath::Box3f bounds_of(const Scene& scene) {
   std::vector<Imath::Box3f> boxes(scene.meshes.size());
@@ -25,13 +23,22 @@ Imath::Box3f bounds_of(const Scene& scene) {
     bounds.extendBy(s.center - Vec3(s.radius));
     bounds.extendBy(s.center + Vec3(s.radius));
   }
-  return bounds.isEmpty() ? Imath::Box3f(Vec3(-1), Vec3(1)) : bounds;
+  for (const Quad& q : scene.quads)
+    for (const Vec3& corner :
+         {q.corner, q.corner + q.edge_u, q.corner + q.edge_v, q.corner + q.edge_u + q.edge_v})
+      bounds.extendBy(corner);
+  for (const Disk& d : scene.disks) {
+    const auto reach = [&](float n) { return d.radius * std::sqrt(std::max(0.0f, 1 - n * n)); };
+    const Vec3 extent(reach(d.normal.x), reach(d.normal.y), reach(d.normal.z));
+    bounds.extendBy(d.center - extent);
+    bounds.extendBy(d.center + extent);
+  }
+  return bounds;
 }
 
-}  // namespace
-
 Camera framing_camera(const Scene& scene) {
-  const Imath::Box3f bounds = bounds_of(scene);
+  Imath::Box3f bounds = bounds_of(scene);
+  if (bounds.isEmpty()) bounds = {Vec3(-1), Vec3(1)};
   const Vec3 back = Vec3(0.4f, 0.35f, 1.0f).normalized();
   const Vec3 x = Vec3(0, 1, 0).cross(back).normalized(), y = back.cross(x);
   Camera camera;

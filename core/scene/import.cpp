@@ -141,7 +141,7 @@ int light_group(Scene& scene, const std::string& name, std::string_view where) {
 }
 
 void append(Scene& scene, Scene&& part, const Matrix& transform) {
-  transform_all(part, transform);
+  if (transform != Matrix()) transform_all(part, transform);  // or else the same bits
   shift_all(part, scene);
   move_to_end(scene.pictures, part.pictures);
   move_to_end(scene.materials, part.materials);

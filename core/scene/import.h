@@ -6,13 +6,15 @@
 #include <array>
 #include <filesystem>
 
+#include "core/scene/limits.h"
 #include "core/scene/scene.h"
 
 namespace tessera {
 
-// How far scenes that import scenes may go: how deep, and how many files in all.
+// How far scenes that import scenes may still go: how deep, how many files in all, and how large.
 struct ImportBudget {
-  int depth = 8;
+  ImportLimits limits;
+  std::uint64_t depth = limits.depth;
   int files = 10'000;
 };
 

@@ -33,8 +33,8 @@ void light_up(Scene& scene, const std::filesystem::path& file) {
 
 }  // namespace
 
-Scene load_scene(const std::filesystem::path& file) {
-  ImportBudget budget;
+Scene load_scene(const std::filesystem::path& file, const ImportLimits& limits) {
+  ImportBudget budget{limits};
   Scene scene = import_scene(file, budget);
   finish(scene, file.string());
   light_up(scene, file);

@@ -63,6 +63,21 @@ std::vector<std::string_view> keys_of(const Json& schema) {
   return keys;
 }
 
+// The words of a pattern "^(one|other)$", the only kind we use.
+std::vector<std::string_view> words_of(const Json& pattern) {
+  std::string_view text = pattern.text();
+  if (!text.starts_with("^(") || !text.ends_with(")$"))
+    throw std::logic_error(fmt::format("schema: unknown pattern {}", text));
+  text = text.substr(2, text.size() - 4);
+  std::vector<std::string_view> words;
+  for (std::size_t bar = 0; bar != std::string_view::npos; text.remove_prefix(bar + 1)) {
+    bar = text.find('|');
+    words.push_back(text.substr(0, bar));
+    if (bar == std::string_view::npos) break;
+  }
+  return words;
+}
+
 std::string range_in_words(const Json& schema) {
   const Json *low = schema.find("minimum"), *above = schema.find("exclusiveMinimum"),
              *high = schema.find("maximum");
@@ -76,7 +91,10 @@ std::string range_in_words(const Json& schema) {
 std::string one_type_in_words(std::string_view type, const Json& schema, const Json& root) {
   if (type == "number") return "a number" + range_in_words(schema);
   if (type == "integer") return "an integer" + range_in_words(schema);
-  if (type == "string") return "a string";
+  if (type == "string") {
+    const Json* pattern = schema.find("pattern");
+    return pattern ? fmt::format("\"{}\"", fmt::join(words_of(*pattern), "\", \"")) : "a string";
+  }
   if (type == "boolean") return "true or false";
   if (type == "null") return "null";
   if (type == "object") {
@@ -131,7 +149,8 @@ class Checker {
     if (keyword == "properties") return check_members(value, schema, at);
     if (keyword == "required") return check_required(value, says, at);
     if (keyword == "items") return check_items(value, says, at);
-    if (keyword == "enum") return check_enum(value, says, at);
+    if (keyword == "enum") return check_enum(value, names_of(says), at);
+    if (keyword == "pattern") return check_enum(value, words_of(says), at);
     if (keyword == "minItems" || keyword == "maxItems") return check_size(value, schema, keyword, says, at);
     if (keyword == "minimum" || keyword == "maximum" || keyword == "exclusiveMinimum")
       return check_range(value, schema, keyword, says, at);
@@ -180,8 +199,8 @@ class Checker {
     for (std::size_t i = 0; i < value.items().size(); ++i) check(value.items()[i], item, Path{&at, i});
   }
 
-  void check_enum(const Json& value, const Json& names, const Path& at) const {
-    const auto known = names_of(names);
+  void check_enum(const Json& value, const std::vector<std::string_view>& known, const Path& at) const {
+    if (!value.is_text()) return;
     if (std::find(known.begin(), known.end(), value.text()) == known.end())
       refuse(at, unknown("value", value.text(), known), listed(known));
   }

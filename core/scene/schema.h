@@ -11,9 +11,9 @@ namespace tessera {
 
 // Throws InputError at file:/json/pointer for the first thing in `value` that `schema` refuses. Understands
 // what our schema uses of draft-07: type, properties, additionalProperties, required, items, minItems,
-// maxItems, minimum, maximum, exclusiveMinimum, enum, const, $ref to #/definitions, allOf, `anyOf` and `not`
-// over required, and `oneOf` whose alternatives differ in a constant `type`. Any other keyword that could
-// refuse a value throws std::logic_error.
+// maxItems, minimum, maximum, exclusiveMinimum, enum and const of strings, patterns "^(one|other)$", $ref to
+// #/definitions, allOf, `anyOf` and `not` over required, and `oneOf` whose alternatives differ in a constant
+// `type`. Any other keyword that could refuse a value throws std::logic_error.
 void check_schema(const Json& value, const Json& schema, const std::string& file);
 
 // What `schema`, a part of `root`, accepts, in words: "a number from 0 to 1".

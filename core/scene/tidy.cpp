@@ -30,7 +30,9 @@ void tidy_normals(Mesh& mesh) {
     const Vec3D n(mesh.normals[v]);
     const double length2 = n.dot(n);
     broken[v] = !(std::isfinite(length2) && length2 > 1e-12);
-    if (!broken[v])
+    if (!broken[v] && std::abs(length2 - 1) < 5e-7)
+      continue;  // as near to a unit vector as floats are: tidying twice changes nothing
+    else if (!broken[v])
       mesh.normals[v] = unit(n);
     else
       mesh.normals[v] = Vec3(0, 0, 1), any = true;

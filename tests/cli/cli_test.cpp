@@ -212,7 +212,7 @@ TEST_F(Program, AnUnknownDeviceIsExitCode5AndAnUnknownCameraIsExitCode3) {
 
 TEST_F(Program, EverySubcommandHasHelp) {
   EXPECT_EQ(run({"--version"}).code, 0);
-  for (const char* command : {"render", "compare", "devices", "filters", "schema"}) {
+  for (const char* command : {"render", "compare", "scene", "devices", "filters", "schema"}) {
     const Outcome outcome = run({command, "--help"});
     EXPECT_EQ(outcome.code, 0) << command;
     EXPECT_THAT(outcome.text, HasSubstr(command));

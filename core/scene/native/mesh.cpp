@@ -14,12 +14,23 @@ std::vector<Vec3> read_vectors(const Node& mesh, std::string_view key) {
   return vectors;
 }
 
-std::vector<Vec2> read_uvs(const Node& mesh) {
+std::vector<Vec2> read_uvs(const Node& mesh, std::string_view key) {
   std::vector<Vec2> uvs;
-  if (const Json* array = mesh.json->find("uvs"))
+  if (const Json* array = mesh.json->find(key))
     for (const Json& v : array->items())
       uvs.emplace_back(static_cast<float>(v.items()[0].number()), static_cast<float>(v.items()[1].number()));
   return uvs;
+}
+
+std::vector<std::array<float, 4>> read_colors(const Node& mesh) {
+  std::vector<std::array<float, 4>> colors;
+  const Json* array = mesh.json->find("colors");
+  if (!array) return colors;
+  for (const Json& c : array->items()) {
+    std::array<float, 4>& color = colors.emplace_back(std::array{1.0f, 1.0f, 1.0f, 1.0f});
+    for (std::size_t i = 0; i < c.items().size(); ++i) color[i] = static_cast<float>(c.items()[i].number());
+  }
+  return colors;
 }
 
 // Polygons of `key` as fans of triangles around their first vertex.
@@ -52,9 +63,13 @@ Mesh read_mesh(const std::string& name, const Node& node) {
   mesh.name = name;
   mesh.positions = read_vectors(node, "positions");
   mesh.normals = read_vectors(node, "normals");
-  mesh.uvs = read_uvs(node);
+  mesh.uvs = read_uvs(node, "uvs");
+  mesh.uvs2 = read_uvs(node, "uvs2");
+  mesh.colors = read_colors(node);
   check_parallel(node, "normals", mesh.normals.size(), mesh.positions.size());
   check_parallel(node, "uvs", mesh.uvs.size(), mesh.positions.size());
+  check_parallel(node, "uvs2", mesh.uvs2.size(), mesh.positions.size());
+  check_parallel(node, "colors", mesh.colors.size(), mesh.positions.size());
   add_polygons(mesh, node, "triangles");
   add_polygons(mesh, node, "quads");
   return mesh;

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/native/node.h"
 
+#include <cmath>
+
 #include "core/error.h"
 
 namespace tessera {
 namespace {
 
 float as_float(const Json& number) { return static_cast<float>(number.number()); }
-
-// An array of three, or one number for all three.
-Vec3 as_vec3_or_number(const Json& value) {
-  return value.is_number() ? Vec3(as_float(value)) : as_vec3(value);
-}
 
 Matrix as_matrix(const Json& array) {
   Matrix m;
@@ -24,6 +21,10 @@ Matrix as_matrix(const Json& array) {
 Vec3 as_vec3(const Json& array) {
   const auto& v = array.items();
   return {as_float(v[0]), as_float(v[1]), as_float(v[2])};
+}
+
+Vec3 as_vec3_or_number(const Json& value) {
+  return value.is_number() ? Vec3(as_float(value)) : as_vec3(value);
 }
 
 std::optional<Node> Node::find(std::string_view key) const {
@@ -71,29 +72,25 @@ Color Node::color(std::string_view key, const Color& otherwise) const {
   return member ? Color(as_vec3_or_number(*member)) : otherwise;
 }
 
+float Node::angle(std::string_view key, double degrees) const {
+  const Json* member = json->find(key);
+  return radians(member ? member->number() : degrees);
+}
+
+int Node::integer(std::string_view key, int otherwise) const {
+  const Json* member = json->find(key);
+  return member ? static_cast<int>(member->number()) : otherwise;
+}
+
 Vec3 Node::direction(std::string_view key) const {
   const Vec3 d = as_vec3(*json->find(key));
-  if (d.length() == 0) throw InputError(at(key).where(), "has no length", "a direction");
-  return d.normalized();
+  const double length = Imath::V3d(d).length();
+  if (length == 0) throw InputError(at(key).where(), "has no length", "a direction");
+  return std::abs(length - 1) < 1e-6 ? d : Vec3(Imath::V3d(d) / length);
 }
 
 Matrix Node::matrix(std::string_view key) const { return as_matrix(*json->find(key)); }
 
 std::filesystem::path Node::path(std::string_view key) const { return folder() / text(key, {}); }
-
-Matrix transform_of(const Node& node) {
-  const auto t = node.find("transform");
-  if (!t) return {};
-  if (t->has("matrix")) return t->matrix("matrix");
-  const Json* scale = t->json->find("scale");
-  const Vec3 turn = t->point("rotate", Vec3(0));
-  Matrix s, x, y, z, move;
-  s.setScale(scale ? as_vec3_or_number(*scale) : Vec3(1));
-  x.setAxisAngle(Vec3(1, 0, 0), radians(turn.x));
-  y.setAxisAngle(Vec3(0, 1, 0), radians(turn.y));
-  z.setAxisAngle(Vec3(0, 0, 1), radians(turn.z));
-  move.setTranslation(t->point("translate", Vec3(0)));
-  return s * x * y * z * move;
-}
 
 }  // namespace tessera

@@ -4,13 +4,18 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <sstream>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
+#include "core/scene/native/material_fields.h"
+#include "core/scene/native/metals.h"
 #include "tests/core/scene/folder.h"
 
 namespace tessera {
@@ -95,8 +100,8 @@ json mutated(json document, std::mt19937& random) {
 }
 
 TEST_F(SchemaAgreement, OnScenesThatAreGood) {
-  for (const auto& file :
-       {kData / "all.json", kData / "../../../scenes/cornell.json", kData / "../../../scenes/furnace.json"}) {
+  for (const auto& file : {kData / "all.json", kData / "full.json", kData / "../../../scenes/cornell.json",
+                           kData / "../../../scenes/furnace.json"}) {
     const json document = json::parse(contents(file));
     EXPECT_TRUE(we_accept(document)) << file;
     EXPECT_TRUE(they_accept(document)) << file;
@@ -104,11 +109,12 @@ TEST_F(SchemaAgreement, OnScenesThatAreGood) {
 }
 
 TEST_F(SchemaAgreement, OnThousandsOfSpoiltScenes) {
-  const json good = json::parse(contents(kData / "all.json"));
+  const std::array good{json::parse(contents(kData / "all.json")),
+                        json::parse(contents(kData / "full.json"))};
   int refused = 0;
   for (unsigned seed = 0; seed < 3000; ++seed) {
     std::mt19937 random(seed);
-    const json document = mutated(good, random);
+    const json document = mutated(good[seed % 2], random);
     const bool ours = we_accept(document);
     ASSERT_EQ(ours, they_accept(document)) << "seed " << seed << "\n" << document.dump(1);
     refused += !ours;
@@ -144,19 +150,56 @@ TEST(Schema, StatesTheDefaultsThatTheReaderHas) {
   const json schema = json::parse(scene_schema());
   const auto& properties = schema["definitions"]["material"]["properties"];
   const Material m;
-  EXPECT_EQ(properties["color"]["default"].get<float>(), m.base_color.x);
-  EXPECT_EQ(properties["metallic"]["default"].get<float>(), m.metallic);
-  EXPECT_EQ(properties["roughness"]["default"].get<float>(), m.roughness);
-  EXPECT_EQ(properties["normal_scale"]["default"].get<float>(), m.normal_scale);
-  EXPECT_EQ(properties["emission"]["default"].get<float>(), m.emission.x);
-  EXPECT_EQ(properties["alpha"]["default"].get<float>(), m.base_alpha);
-  EXPECT_EQ(properties["alpha_cutoff"]["default"].get<float>(), m.alpha_cutoff);
-  EXPECT_EQ(properties["ior"]["default"].get<float>(), m.ior);
-  EXPECT_EQ(properties["double_sided"]["default"].get<bool>(), m.double_sided);
-  for (int c = 0; c < 3; ++c) {
-    EXPECT_EQ(properties["eta"]["default"][static_cast<std::size_t>(c)].get<float>(), m.eta[c]);
-    EXPECT_EQ(properties["k"]["default"][static_cast<std::size_t>(c)].get<float>(), m.k[c]);
-  }
+  const auto stated = [&](std::string_view key) { return properties[std::string(key)]["default"]; };
+  for (const auto& [key, field] : kNumbers) EXPECT_EQ(stated(key).get<float>(), m.*field) << key;
+  for (const auto& [key, field] : kFlags) EXPECT_EQ(stated(key).get<bool>(), m.*field) << key;
+  for (const auto& [key, field] : kColors)
+    for (int c = 0; c < 3; ++c) {
+      const json value = stated(key);
+      EXPECT_EQ((value.is_array() ? value[static_cast<std::size_t>(c)] : value).get<float>(), (m.*field)[c])
+          << key;
+    }
+}
+
+template <class Table>
+void expect_names(const json& stated, const Table& known) {
+  ASSERT_EQ(stated.size(), known.size());
+  for (const auto& [name, value] : known)
+    EXPECT_EQ(std::count(stated.begin(), stated.end(), name), 1) << name;
+}
+
+// Every key below `part`, with what is said of it.
+void for_each_property(const json& part, const std::function<void(const std::string&, const json&)>& see) {
+  if (!part.is_structured()) return;
+  if (part.is_object() && part.contains("properties"))
+    for (const auto& [key, property] : part["properties"].items()) see(key, property);
+  for (const auto& [key, value] : part.items()) for_each_property(value, see);
+}
+
+TEST(Schema, IsWhatTheDocumentSays) {
+  std::vector<std::string> lines;
+  std::stringstream document(contents(std::filesystem::path(TESSERA_SOURCE_DIR) / "docs/SCENE.md"));
+  for (std::string line; std::getline(document, line);) lines.push_back(line);
+  for_each_property(json::parse(scene_schema()), [&](const std::string& key, const json& property) {
+    const auto says = [&](const std::string& line) {
+      return line.starts_with("| `" + key + "` |") &&
+             (!property.contains("default") ||
+              line.find("| `" + property["default"].dump() + "` |") != line.npos) &&
+             (!property.contains("description") ||
+              line.find(property["description"].get<std::string>()) != line.npos);
+    };
+    EXPECT_EQ(std::count_if(lines.begin(), lines.end(), says) > 0, key != "type" || property.contains("enum"))
+        << key << ": " << property;
+  });
+}
+
+TEST(Schema, NamesWhatTheReaderKnows) {
+  const json schema = json::parse(scene_schema());
+  const auto& properties = schema["definitions"]["material"]["properties"];
+  expect_names(properties["type"]["enum"], kKinds);
+  expect_names(properties["alpha_mode"]["enum"], kAlphas);
+  expect_names(properties["metal"]["enum"], kMetals);
+  EXPECT_EQ(schema["properties"]["light_groups"]["maxItems"], kMaxLightGroups);
 }
 
 }  // namespace
