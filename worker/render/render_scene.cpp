@@ -29,4 +29,6 @@ std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene> scene,
   return std::make_shared<RenderScene>(std::move(scene), std::move(cache));
 }
 
+void require_sound_textures(const RenderScene& scene) { scene.materials().textures().require_sound(); }
+
 }  // namespace tessera

@@ -6,12 +6,14 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <optional>
 #include <thread>
 
 #include "core/scene/pictures.h"
 #include "tests/core/scene/folder.h"
 #include "tests/worker/render/chi_squared.h"
 #include "worker/render/mip_map.h"
+#include "worker/render/texture_folder.h"
 
 namespace tessera::tracer {
 namespace {
@@ -55,7 +57,6 @@ class TextureTest : public ::testing::Test {
   std::shared_ptr<TextureCache> cache(std::uint64_t memory = 64 << 20) const {
     return std::make_shared<TextureCache>(TextureOptions{folder_.path() / "cache", memory});
   }
-  Textures textures() const { return Textures(scene_, cache()); }
 
   Folder folder_;
   Scene scene_;
@@ -241,7 +242,7 @@ TEST_F(TextureTest, UdimTilesAreChosenByTheWholePartsOfUAndOneMinusV) {
   EXPECT_NEAR(at(1.0f + 0.5f / 8, 0.5f / 8)[0], 1, 1e-5f) << "the top left corner of a tile";
   EXPECT_NEAR(at(1.001f, 0.5f)[0], 0.4f, 2e-4f) << "a tile ends at its edge";
   for (const Vec2& missing : {Vec2(2.5f, 0.5f), Vec2(-0.5f, 0.5f), Vec2(0.5f, 1.5f), Vec2(1.5f, -0.5f),
-                             Vec2(1e30f, -1e30f), Vec2(NAN, 0.5f)})
+                              Vec2(1e30f, -1e30f), Vec2(NAN, 0.5f)})
     EXPECT_EQ(at(missing.x, missing.y), (Texel{0, 0, 0, 0}));
   textures.require_sound();
 }
@@ -288,6 +289,62 @@ TEST_F(TextureTest, ALookupThatFailsIsReportedAfterwards) {
   const Textures textures(scene_, cache());
   for (int i = 0; i < 64; ++i) textures.lookup({.picture = 0}, {(i % 8 + 0.5f) / 8, (i / 8 + 0.5f) / 8}, 0);
   EXPECT_THROW(textures.require_sound(), Error);
+}
+
+TEST_F(TextureTest, ProcessesMayConvertTheSamePictureAtTheSameTime) {
+  place(folder_.write("wood.tga", targa(300, 200, [](int, int) { return 255; })));
+  {
+    std::vector<std::jthread> team;
+    for (int t = 0; t < 4; ++t)
+      team.emplace_back([&] {
+        EXPECT_NEAR(Textures(scene_, cache()).lookup({.picture = 0}, {0.5f, 0.5f}, 0)[0], 1, 1e-6f);
+      });
+  }
+  const fs::directory_iterator files(folder_.path() / "cache");
+  EXPECT_EQ(std::distance(begin(files), end(files)), 1);
+}
+
+// Sets an environment variable for a while; null: takes it away.
+class Variable {
+ public:
+  Variable(const char* name, const char* value) : name_(name) {
+    if (const char* now = std::getenv(name)) before_ = now;
+    set(value);
+  }
+  ~Variable() { set(before_ ? before_->c_str() : nullptr); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  void set(const char* value) const { value ? setenv(name_, value, 1) : unsetenv(name_); }
+
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+TEST_F(TextureTest, TheFolderIsTheOneAskedForThenThatOfTheEnvironmentThenTheUsersCache) {
+  const fs::path home = folder_.path();
+  const Variable xdg("XDG_CACHE_HOME", (home / "xdg").c_str());
+  {
+    const Variable ours("TESSERA_TEXTURE_CACHE", (home / "ours").c_str());
+    EXPECT_EQ(TextureFolder(home / "asked").path(), home / "asked");
+    EXPECT_EQ(TextureFolder({}).path(), home / "ours");
+  }
+  const Variable none("TESSERA_TEXTURE_CACHE", nullptr);
+  EXPECT_EQ(TextureFolder({}).path(), home / "xdg/tessera/textures");
+}
+
+TEST_F(TextureTest, AStandardFolderThatCannotBeWrittenGivesATemporaryOneAndAWarning) {
+  const Variable none("TESSERA_TEXTURE_CACHE", nullptr);
+  const Variable xdg("XDG_CACHE_HOME", folder_.write("file", "").c_str());
+  fs::path path;
+  {
+    const TextureFolder folder({});
+    path = folder.path();
+    EXPECT_TRUE(fs::is_directory(path));
+    EXPECT_THAT(folder.warning(), HasSubstr("file/tessera/textures': "));
+  }
+  EXPECT_FALSE(fs::exists(path));
 }
 
 TEST_F(TextureTest, AFolderThatWasAskedForHasToBeUsable) {
