@@ -37,6 +37,7 @@ class StandardRunner : public TaskRunner {
     RenderSettings settings = job.render;
     settings.aovs = film_aovs(job);
     RenderDone done{.block = render(*scene, settings, job.frame, work.region, work.samples, &cancel)};
+    require_sound_textures(*scene);
     done.dropped = dropped(done.block);
     return done;
   }

@@ -31,6 +31,9 @@ std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene>, const R
 // Equal for frames and settings between which what prepare() makes of this scene is the same.
 std::string preparation(const Scene&, const RenderSettings&, int frame);
 
+// Throws Error if a texture could not be read while the scene was rendered: what was rendered is wrong.
+void require_sound_textures(const RenderScene&);
+
 struct Cancelled {};  // thrown by render() when `cancel` became true
 
 // The sums of `samples` over `region`. The unit of work is the aligned 4x4 block at one sample index, traced

@@ -76,4 +76,6 @@ std::string preparation(const Scene& scene, const RenderSettings& settings, int 
   return fmt::format("{} {} {}", settings.variant, shutter.open, shutter.close);
 }
 
+void require_sound_textures(const RenderScene& scene) { scene.materials().textures().require_sound(); }
+
 }  // namespace tessera

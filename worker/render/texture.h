@@ -27,7 +27,7 @@ class Textures {
   // The mean over a round footprint of diameter `width` about `uv`, both in the picture's texture
   // coordinates; 0: bilinear between the finest texels. (0, 0) is the top left corner. Of UDIM tiles, uv
   // chooses one: columns go right from u = 0, rows go up from v = 1; where there is none everything is 0.
-  // The texture must have a picture.
+  // The texture must be of a picture that a material of the scene uses.
   Texel lookup(const Texture&, const Vec2& uv, float width) const;
 
   // Mean colour of its picture.

@@ -1,65 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Textures: what a lookup returns, where files lie, and what memory they take.
+// Textures: what a lookup returns.
 #include "worker/render/texture.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <thread>
-
-#include "core/scene/pictures.h"
-#include "tests/core/scene/folder.h"
 #include "tests/worker/render/chi_squared.h"
+#include "tests/worker/render/textures.h"
 #include "worker/render/mip_map.h"
 
 namespace tessera::tracer {
 namespace {
 
-namespace fs = std::filesystem;
 using tessera::testing::Random;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using Wrap = Texture::Wrap;
-
-// An uncompressed Targa file, row 0 on top: grey(x, y) in all channels.
-template <class Grey>
-std::string targa(int width, int height, const Grey& grey) {
-  std::string bytes(18, '\0');
-  bytes[2] = 2;  // true colour
-  bytes[12] = static_cast<char>(width & 255), bytes[13] = static_cast<char>(width >> 8);
-  bytes[14] = static_cast<char>(height & 255), bytes[15] = static_cast<char>(height >> 8);
-  bytes[16] = 24;
-  bytes[17] = 0x20;  // the first row is the top
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) bytes.append(3, static_cast<char>(grey(x, y)));
-  return bytes;
-}
-
-class TextureTest : public ::testing::Test {
- protected:
-  // A scene whose materials look up all pictures that are placed in it.
-  void use(int picture) { scene_.materials.emplace_back().base_color_texture.picture = picture; }
-  int place(const fs::path& file, Encoding encoding = Encoding::srgb) {
-    PictureShelf shelf(scene_);
-    const int index = shelf.place(file, encoding);
-    use(index);
-    return index;
-  }
-  int add(int width, int height, int channels, std::vector<float> pixels) {
-    scene_.pictures.push_back({"pixels", width, height, channels, std::move(pixels)});
-    const int index = static_cast<int>(scene_.pictures.size()) - 1;
-    use(index);
-    return index;
-  }
-  std::shared_ptr<TextureCache> cache(std::uint64_t memory = 64 << 20) const {
-    return std::make_shared<TextureCache>(TextureOptions{folder_.path() / "cache", memory});
-  }
-  Textures textures() const { return Textures(scene_, cache()); }
-
-  Folder folder_;
-  Scene scene_;
-};
 
 TEST_F(TextureTest, IsBilinearBetweenPixelCentresAndWraps) {
   add(4, 1, 1, {0, 1, 2, 3});
@@ -179,54 +132,6 @@ TEST_F(TextureTest, TheMeanOfAPictureIsTheSameInEverySize) {
   }
 }
 
-TEST_F(TextureTest, WhatIsInMemoryChangesNoBit) {
-  Random random(3);
-  std::vector<float> pixels(1024 * 1024);
-  for (float& v : pixels) v = random.number();
-  for (int p = 0; p < 4; ++p) pixels[0] = static_cast<float>(p), add(1024, 1024, 1, pixels);
-  const Textures roomy(scene_, cache()), tight(scene_, cache(0));
-  struct Look {
-    int picture;
-    Vec2 uv;
-    float width;
-  };
-  std::vector<Look> looks;
-  for (int i = 0; i < 4000; ++i)
-    looks.push_back({i % 4, {random.number(), random.number()}, i % 3 ? 3e-3f * random.number() : 0.0f});
-  const auto seen = [](const Textures& textures, const Look& l) {
-    return textures.lookup({.picture = l.picture}, l.uv, l.width);
-  };
-  std::vector<Texel> first, other(looks.size());
-  for (const Look& l : looks) first.push_back(seen(roomy, l));
-  {
-    std::vector<std::jthread> team;
-    for (std::size_t t = 0; t < 2; ++t)
-      team.emplace_back([&, t] {
-        for (std::size_t i = looks.size(); i-- > 0;)
-          if (i % 2 == t) other[i] = seen(tight, looks[i]);
-      });
-  }
-  EXPECT_EQ(first, other);
-}
-
-TEST_F(TextureTest, MemoryStaysNearItsLimit) {
-  std::vector<float> pixels(1024 * 1024);
-  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<float>(i % 1021);
-  for (int p = 0; p < 12; ++p) pixels[0] = static_cast<float>(p), add(1024, 1024, 1, pixels);  // 48 MiB
-  constexpr std::uint64_t kLimit = 16 << 20;
-  for (const std::uint64_t limit : {kLimit, std::uint64_t{1} << 30}) {
-    const auto shared = cache(limit);
-    const Textures textures(scene_, shared);
-    for (int p = 0; p < 12; ++p)
-      for (int i = 0; i < 256; ++i)
-        textures.lookup({.picture = p}, {(i % 16 + 0.5f) / 16, (i / 16 + 0.5f) / 16}, 0);
-    if (limit == kLimit)
-      EXPECT_LT(shared->memory_used(), kLimit + (1 << 20));
-    else
-      EXPECT_GT(shared->memory_used(), 2 * kLimit) << "there was something to leave out";
-  }
-}
-
 TEST_F(TextureTest, UdimTilesAreChosenByTheWholePartsOfUAndOneMinusV) {
   for (const auto& [number, grey] : {std::pair{1001, 51}, {1002, 102}, {1011, 153}})
     folder_.write("skin." + std::to_string(number) + ".tga",
@@ -241,61 +146,9 @@ TEST_F(TextureTest, UdimTilesAreChosenByTheWholePartsOfUAndOneMinusV) {
   EXPECT_NEAR(at(1.0f + 0.5f / 8, 0.5f / 8)[0], 1, 1e-5f) << "the top left corner of a tile";
   EXPECT_NEAR(at(1.001f, 0.5f)[0], 0.4f, 2e-4f) << "a tile ends at its edge";
   for (const Vec2& missing : {Vec2(2.5f, 0.5f), Vec2(-0.5f, 0.5f), Vec2(0.5f, 1.5f), Vec2(1.5f, -0.5f),
-                             Vec2(1e30f, -1e30f), Vec2(NAN, 0.5f)})
+                              Vec2(1e30f, -1e30f), Vec2(NAN, 0.5f)})
     EXPECT_EQ(at(missing.x, missing.y), (Texel{0, 0, 0, 0}));
   textures.require_sound();
-}
-
-TEST_F(TextureTest, AFileThatChangesAfterLoadingIsAnError) {
-  const auto file = folder_.write("wood.tga", targa(4, 4, [](int, int) { return 100; }));
-  place(file);
-  folder_.write("wood.tga", targa(4, 4, [](int, int) { return 101; }));
-  const auto refusal = [&] {
-    try {
-      Textures(scene_, cache());
-    } catch (const InputError& e) {
-      return std::string(e.what());
-    }
-    return std::string("opened");
-  };
-  EXPECT_THAT(refusal(), HasSubstr("wood.tga: the image is not the one that was loaded"));
-  fs::remove(file);
-  EXPECT_THAT(refusal(), HasSubstr("wood.tga: no such file"));
-  folder_.write("wood.tga", targa(4, 4, [](int, int) { return 100; }));
-  EXPECT_EQ(refusal(), "opened");
-  fs::remove(file);
-  EXPECT_EQ(refusal(), "opened") << "what was converted is known by its content";
-}
-
-TEST_F(TextureTest, AConvertedFileThatIsBrokenIsMadeAgain) {
-  place(folder_.write("wood.tga", targa(4, 4, [](int, int) { return 255; })));
-  { const Textures made(scene_, cache()); }
-  const auto files = [&] {
-    std::vector<fs::path> all;
-    for (const auto& entry : fs::directory_iterator(folder_.path() / "cache")) all.push_back(entry.path());
-    return all;
-  };
-  ASSERT_EQ(files().size(), 1u) << "and nothing half-written";
-  fs::resize_file(files()[0], 40);
-  EXPECT_NEAR(Textures(scene_, cache()).lookup({.picture = 0}, {0.5f, 0.5f}, 0)[0], 1, 1e-6f);
-}
-
-TEST_F(TextureTest, ALookupThatFailsIsReportedAfterwards) {
-  add(512, 512, 1, std::vector<float>(512 * 512, 1.0f));
-  { const Textures made(scene_, cache()); }
-  const auto file = fs::directory_iterator(folder_.path() / "cache")->path();
-  fs::resize_file(file, fs::file_size(file) / 2);  // the header is whole
-  const Textures textures(scene_, cache());
-  for (int i = 0; i < 64; ++i) textures.lookup({.picture = 0}, {(i % 8 + 0.5f) / 8, (i / 8 + 0.5f) / 8}, 0);
-  EXPECT_THROW(textures.require_sound(), Error);
-}
-
-TEST_F(TextureTest, AFolderThatWasAskedForHasToBeUsable) {
-  const auto file = folder_.write("file", "");
-  TextureCache bad(TextureOptions{.folder = file / "below"});
-  EXPECT_THROW(bad.warning(), Error);
-  TextureCache good(TextureOptions{.folder = folder_.path() / "a/b"});
-  EXPECT_THAT(good.warning(), IsEmpty());
 }
 
 }  // namespace
