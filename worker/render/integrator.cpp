@@ -88,7 +88,7 @@ bool Integrator::ready_vertices(const BlockKeys& block, int sample, int bounce) 
   bool any = false, lobes = false;
   for (const Path& path : paths_) {
     any |= path.alive;
-    lobes |= path.alive && path.bsdf.kind != Material::Kind::diffuse;
+    lobes |= path.alive && !one_lobe(path.bsdf);
   }
   if (!any) return false;
   const auto& keys = block.half[static_cast<std::size_t>(sample & 1)];
@@ -130,9 +130,8 @@ void Integrator::scatter(int lane, int bounce) {
   if (!path.bsdf.delta && !scene_.lights().empty()) ask_light(path, lane);
   path.alive = bounce < max_bounces_ || gathers_emission();
   if (!path.alive) return;
-  const bool one_lobe = path.bsdf.kind == Material::Kind::diffuse;
   const auto i = static_cast<std::size_t>(lane);
-  const BsdfSample s = sample(path.bsdf, one_lobe ? 0 : which_.x[i], direction_[i]);
+  const BsdfSample s = sample(path.bsdf, one_lobe(path.bsdf) ? 0 : which_.x[i], direction_[i]);
   path.alive = !is_black(s.weight());
   if (!path.alive) return;
   path.throughput *= s.weight();

@@ -18,9 +18,7 @@ RenderScene::RenderScene(std::shared_ptr<const Scene> scene)
       materials_(*scene_),
       bvh_(
           geometry_, [this](int material) { return materials_.masked(material); },
-          [this](const tracer::Hit& hit) {
-            return materials_.solid(geometry_.material(hit), geometry_.uv(hit));
-          }),
+          [this](const tracer::Hit& hit) { return materials_.opacity(geometry_, hit) > 0.5f; }),
       diameter_(diameter_of(bvh_)),
       lights_(*scene_, geometry_, materials_, diameter_ / 2) {}
 
