@@ -16,7 +16,7 @@ using tracer::Bsdf;
 struct BsdfCase {
   std::string name;
   std::vector<Material> materials;  // the last is looked at
-  double narrow = 0;  // how strongly the quadrature is to be focused on the mirror direction: 0 or 1
+  bool narrow = false;              // most of it is about the mirror direction
 };
 
 // A material whose Bsdfs can be had from any direction; world axes are the frame's, z up, or (x, -y, -z) from
@@ -49,7 +49,7 @@ inline std::vector<BsdfCase> with_roughness(const std::string& name, Material m,
   std::vector<BsdfCase> cases;
   for (const float roughness : all) {
     m.roughness = roughness;
-    cases.push_back({name + " of roughness " + std::to_string(roughness), {m}, roughness < 0.5 ? 1.0 : 0.0});
+    cases.push_back({name + " of roughness " + std::to_string(roughness), {m}, roughness < 0.5f});
   }
   return cases;
 }
@@ -72,7 +72,7 @@ inline std::vector<BsdfCase> metal() {
   for (const float exponent : {1.0f, 20.0f, 500.0f})
     all.push_back({"metal of exponent " + std::to_string(exponent),
                    {{.kind = Kind::metal, .base_color = Color(1, 1, 1), .exponent = exponent}},
-                   exponent > 100 ? 1.0 : 0.0});
+                   exponent > 100});
   return all;
 }
 
@@ -158,8 +158,14 @@ class Square {
   tracer::Frame axis_{Vec3(0, 0, 1)};
 };
 
+// Where most of the light goes: for glass through, else mirrored.
 inline Square square_for(const BsdfCase& c, const Vec3& wo) {
-  return c.narrow > 0 ? Square(Vec3(-wo.x, -wo.y, wo.z)) : Square();
+  if (!c.narrow) return Square();
+  const Material& m = c.materials.back();
+  const float across = m.thin ? 1.0f : wo.z > 0 ? 1 / m.ior : m.ior;
+  const float cosine2 = 1 - (1 - wo.z * wo.z) * across * across;
+  if (m.kind != Material::Kind::glass || cosine2 < 0) return Square(Vec3(-wo.x, -wo.y, wo.z));
+  return Square(Vec3(-wo.x * across, -wo.y * across, std::copysign(std::sqrt(cosine2), -wo.z)));
 }
 
 // The integral of a function of directions, by the midpoint rule.

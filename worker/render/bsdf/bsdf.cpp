@@ -160,8 +160,9 @@ Color lobe_albedo(const Bsdf& b, const Lobe& l) {
     case undercoat:
       return undercoat_albedo(l, wo);
     case reflection:
-    case phong:
       return l.color * fresnel(l, wo.z);
+    case phong:  // of a narrow lobe
+      return l.color * fresnel(l, wo.z) * wo.z;
     case boundary:
     case sheet: {
       const float r = boundary_reflectance(l, wo.z);

@@ -69,7 +69,8 @@ bool one_lobe(const Bsdf&);
 // Has a lobe that counts as diffuse.
 bool has_diffuse(const Bsdf&);
 
-// Share of light from everywhere that is scattered towards wo; close, not exact, for rough specular lobes.
+// Share of light from everywhere that is scattered towards wo, but without what rough facets take from one
+// another.
 Color albedo(const Bsdf&);
 
 // Makes all glossy lobes at least as rough as GGX of `min_alpha` > 0, mirror-like ones too; Kaplanyan and

@@ -39,18 +39,21 @@ inline LobeValue dielectric_value(const Lobe& l, const Vec3& wo, const Vec3& wi)
           share * visible_reflection_pdf(wo, h, l.alpha)};
 }
 
-// Where light goes, mirrored or through, by `choice` in [0, 1).
+// Where light goes, mirrored or through, by `choice` in [0, 1). The null vector where that is not on the side
+// where it should be: such light is lost among the facets.
 inline Vec3 dielectric_direction(const Lobe& l, const Vec3& wo, float choice, const Vec2& u) {
   const Vec3 h = l.alpha > 0 ? visible_normal(wo, l.alpha, u) : Vec3(0, 0, 1);
-  const float cosine = dot(wo, h);
+  const float cosine = dot(wo, h), across = 1.0f / l.ior;
   const Vec3 back = l.alpha > 0 ? reflected(wo, h) : mirror_direction(wo);
-  if (l.kind == Lobe::Kind::sheet)
-    return choice < sheet_reflectance(cosine, l.ior) ? back : Vec3(back.x, back.y, -back.z);
-  const DielectricBoundary b = dielectric_fresnel(cosine, l.ior);
-  if (choice < b.reflectance) return back;
-  const float across = 1.0f / l.ior;
-  if (l.alpha > 0) return h * (cosine * across - b.cos_refracted) - wo * across;
-  return {-wo.x * across, -wo.y * across, -b.cos_refracted};
+  const bool reflects = choice < boundary_reflectance(l, cosine);
+  if (reflects || l.kind == Lobe::Kind::sheet) {
+    if (!(back.z > 0)) return {0, 0, 0};
+    return reflects ? back : Vec3(back.x, back.y, -back.z);
+  }
+  const float beyond = dielectric_fresnel(cosine, l.ior).cos_refracted;
+  if (l.alpha == 0) return {-wo.x * across, -wo.y * across, -beyond};
+  const Vec3 through = h * (cosine * across - beyond) - wo * across;
+  return through.z < 0 ? through : Vec3(0, 0, 0);
 }
 
 }  // namespace tessera::tracer
