@@ -53,6 +53,8 @@ class Materials {
   Texel texel(const Texture& texture, const TexturePoint& at) const;
   float channel(const Texture& texture, std::size_t channel, const TexturePoint& at) const;
   Color tinted(const Color& factor, const Texture& texture, const TexturePoint& at) const;
+  Color base_color(const Material&, const Geometry&, const Hit&, const TexturePoint&) const;
+  Bsdf plain_diffuse(const Geometry&, const Hit&, const Surface&, const Vec3& direction) const;
   MaterialPoint at_point(const Material&, const View&) const;
   Vec3 mapped_normal(const Texture&, float scale, const View&) const;
   std::uint8_t facing(const Material&, const Texture&, float scale, View&, Bsdf&) const;

@@ -236,11 +236,6 @@ BsdfSample sample(const Bsdf& b, float number, const Vec2& u) {
   return s;
 }
 
-bool one_lobe(const Bsdf& b) {
-  return b.lobes.size() == 1 && b.lobes[0].kind != Lobe::Kind::boundary &&
-         b.lobes[0].kind != Lobe::Kind::sheet;
-}
-
 bool has_diffuse(const Bsdf& b) { return std::any_of(b.lobes.begin(), b.lobes.end(), is_diffuse); }
 
 Color albedo(const Bsdf& b) {

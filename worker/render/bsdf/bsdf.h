@@ -64,7 +64,10 @@ struct BsdfSample {
 // `lobe` in [0, 1) chooses among lobes, `u` the direction within.
 BsdfSample sample(const Bsdf&, float lobe, const Vec2& u);
 // sample() does not heed `lobe`.
-bool one_lobe(const Bsdf&);
+inline bool one_lobe(const Bsdf& b) {
+  return b.lobes.size() == 1 && b.lobes[0].kind != Lobe::Kind::boundary &&
+         b.lobes[0].kind != Lobe::Kind::sheet;
+}
 
 // Has a lobe that counts as diffuse.
 bool has_diffuse(const Bsdf&);
