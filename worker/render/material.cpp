@@ -39,6 +39,9 @@ bool has_sheen(const Material& m) {
   return m.kind == Material::Kind::metallic_roughness && !is_black(m.sheen_color);
 }
 
+// What textures make of a share may be anything: a picture of floats is not bound to 0..1.
+float as_share(float x) { return x > 0 ? std::min(x, 1.0f) : 0.0f; }
+
 // Scatters the same whatever the direction of view: its shading normal need not be bent for mirror
 // directions.
 bool only_lambert(const Material& m) {
@@ -91,7 +94,8 @@ Color Materials::emission(int material, const TexturePoint& at) const {
   const Material& m = (*this)[material];
   const Color own = tinted(m.emission, m.emission_texture, at);
   if (m.kind != Material::Kind::mix || !emits(material)) return own;
-  return own + lerp(emission(m.first, at), emission(m.second, at), m.mix * channel(m.mix_texture, 0, at));
+  return own +
+         lerp(emission(m.first, at), emission(m.second, at), as_share(m.mix * channel(m.mix_texture, 0, at)));
 }
 
 Color Materials::mean_emission(int material) const {
@@ -101,7 +105,7 @@ Color Materials::mean_emission(int material) const {
   };
   const Color own = m.emission * mean(m.emission_texture);
   if (m.kind != Material::Kind::mix) return own;
-  return own + lerp(mean_emission(m.first), mean_emission(m.second), m.mix * mean(m.mix_texture).x);
+  return own + lerp(mean_emission(m.first), mean_emission(m.second), as_share(m.mix * mean(m.mix_texture).x));
 }
 
 float Materials::opacity(const Geometry& geometry, const Hit& hit) const {
@@ -110,14 +114,13 @@ float Materials::opacity(const Geometry& geometry, const Hit& hit) const {
   const float alpha =
       m.base_alpha * channel(m.base_color_texture, 3, {geometry, hit}) * vertex_color(geometry, hit)[3];
   if (m.alpha == Material::Alpha::mask) return alpha >= m.alpha_cutoff ? 1.0f : 0.0f;
-  return std::clamp(alpha, 0.0f, 1.0f);
+  return as_share(alpha);
 }
 
 Color Materials::shown(const Geometry& geometry, const Hit& hit, const Surface& s) const {
   return base_color((*this)[s.material], geometry, hit, s);
 }
 
-// Textures multiply; what leaves 0..1 (interpolated or floating point pictures may) is cut there.
 MaterialPoint Materials::at_point(const Material& m, const View& view) const {
   const TexturePoint& at = view.at;
   MaterialPoint p{};
@@ -128,12 +131,12 @@ MaterialPoint Materials::at_point(const Material& m, const View& view) const {
   p.metallic = m.metallic;
   if (m.metallic_roughness_texture) {
     const Texel t = texel(m.metallic_roughness_texture, at);
-    p.roughness *= t[1];
-    p.metallic *= t[2];
+    p.roughness = as_share(p.roughness * t[1]);
+    p.metallic = as_share(p.metallic * t[2]);
   }
   if (m.kind != Material::Kind::metallic_roughness) return p;
   const auto factor = [&](float x, const Texture& t, std::size_t i) {
-    return x > 0 ? std::clamp(x * channel(t, i, at), 0.0f, 1.0f) : 0.0f;
+    return x > 0 ? as_share(x * channel(t, i, at)) : 0.0f;
   };
   p.transmission = factor(m.transmission, m.transmission_texture, 0);
   p.clearcoat = factor(m.clearcoat, m.clearcoat_texture, 0);
@@ -198,7 +201,7 @@ void Materials::add_leaf(int material, float weight, View& view, Bsdf& b) const 
 void Materials::add(int material, float weight, View& view, Bsdf& b) const {
   const Material& m = (*this)[material];
   if (m.kind != Material::Kind::mix) return add_leaf(material, weight, view, b);
-  const float second = std::clamp(m.mix * channel(m.mix_texture, 0, view.at), 0.0f, 1.0f);
+  const float second = as_share(m.mix * channel(m.mix_texture, 0, view.at));
   if (second < 1) add(m.first, weight * (1.0f - second), view, b);
   if (second > 0) add(m.second, weight * second, view, b);
 }

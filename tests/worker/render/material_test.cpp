@@ -2,6 +2,8 @@
 // What textures, vertex colours and normal maps make of materials at a point.
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/worker/render/chi_squared.h"
 #include "tests/worker/render/painted.h"
 
@@ -154,6 +156,30 @@ TEST(Material, AMixTextureMultipliesTheShare) {
   Painted painted({black, white, {.kind = Material::Kind::mix, .first = 0, .second = 1, .mix = 0.5f}});
   painted.material().mix_texture = {.picture = painted.add_picture(1, 3, {0.4f, 1, 1})};
   EXPECT_NEAR(albedo(painted.bsdf({0, 0, 1})).x, 0.2f, 1e-6f);
+}
+
+// Pictures of floats hold anything; a share stays one.
+TEST(Material, SharesFromTexturesStayWithinBounds) {
+  for (const float wild : {-3.0f, 7.0f, 1e30f, std::numeric_limits<float>::quiet_NaN()}) {
+    Material m{.kind = Material::Kind::metallic_roughness, .base_color = Color(1, 1, 1), .metallic = 0.5f};
+    m.transmission = m.clearcoat = m.clearcoat_roughness = m.sheen_roughness = 0.5f;
+    m.sheen_color = Color(0.5f, 0.5f, 0.5f);
+    Painted painted({m, m, {.kind = Material::Kind::mix, .first = 0, .second = 1}});
+    painted.material().alpha = Material::Alpha::blend;
+    const Texture t{.picture = painted.add_picture(1, 4, {wild, wild, wild, wild})};
+    Material& a = painted.scene.materials[0];
+    a.metallic_roughness_texture = a.transmission_texture = a.clearcoat_texture = t;
+    a.clearcoat_roughness_texture = a.sheen_roughness_texture = t;
+    painted.material().mix_texture = painted.material().base_color_texture = t;
+    const float opacity = painted.opacity();
+    EXPECT_TRUE(opacity >= 0 && opacity <= 1);
+    painted.look({0, 0, 1}, [](const auto& materials, const auto& g, const auto& hit, const auto& s) {
+      const Bsdf b = materials.bsdf(g, hit, s, {0, 0, -1});
+      const Color c = evaluate(b, unit(Vec3(0.3f, 0.2f, 1))).f();
+      EXPECT_TRUE(is_finite(c) && c.x >= 0) << c;
+      EXPECT_TRUE(is_finite(sample(b, 0.3f, {0.2f, 0.6f}).weight()));
+    });
+  }
 }
 
 TEST(Material, VertexColoursMultiplyTheBaseColourAndAlpha) {

@@ -33,7 +33,10 @@ inline Color coated_albedo(const Lobe& l, const Vec3& wo) {
 inline Lobe undercoat_lobe(const Color& reflectance, float ior, float mean) {
   const float n2 = ior * ior, within = 1.0f - (1.0f - mean) / n2;
   Lobe l{.kind = Lobe::Kind::undercoat, .ior = ior};
-  for (int c = 0; c < 3; ++c) l.color[c] = reflectance[c] / (n2 * (1.0f - reflectance[c] * within));
+  for (int c = 0; c < 3; ++c) {
+    const float r = std::clamp(reflectance[c], 0.0f, 1.0f);  // beyond 1 the series has no sum
+    l.color[c] = r / (n2 * (1.0f - r * within));
+  }
   l.f0 = Color(mean, mean, mean);
   return l;
 }
