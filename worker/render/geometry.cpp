@@ -78,12 +78,25 @@ Vec2 Geometry::uv(const Hit& hit) const {
   return blend(uvs[corner[0]], uvs[corner[1]], uvs[corner[2]], hit.u, hit.v);
 }
 
-bool Geometry::tangents(const Hit& hit, Vec3& along_u, Vec3& up) const {
+Vec2 Geometry::uv2(const Hit& hit) const {
   const Piece& piece = pieces[hit.piece];
-  if (!piece.mesh || piece.mesh->uvs.empty()) return false;
+  if (!piece.mesh || piece.mesh->uvs2.empty()) return uv(hit);
   const auto& corner = piece.mesh->triangles[hit.primitive];
-  const auto& uvs = piece.mesh->uvs;
-  const Vec2 a = uvs[corner[1]] - uvs[corner[0]], b = uvs[corner[2]] - uvs[corner[0]];
+  const auto& uvs = piece.mesh->uvs2;
+  return blend(uvs[corner[0]], uvs[corner[1]], uvs[corner[2]], hit.u, hit.v);
+}
+
+bool Geometry::tangents(const Hit& hit, const Texture& texture, Vec3& along_u, Vec3& up) const {
+  const Piece& piece = pieces[hit.piece];
+  if (!piece.mesh) return false;
+  const auto& corner = piece.mesh->triangles[hit.primitive];
+  const auto& uvs = texture.uv_set == 0 || piece.mesh->uvs2.empty() ? piece.mesh->uvs : piece.mesh->uvs2;
+  if (uvs.empty()) return false;
+  const auto turned_uv = [&](const Vec2& d) {
+    const auto& t = texture.transform;
+    return Vec2(t[0] * d.x + t[1] * d.y, t[3] * d.x + t[4] * d.y);
+  };
+  const Vec2 a = turned_uv(uvs[corner[1]] - uvs[corner[0]]), b = turned_uv(uvs[corner[2]] - uvs[corner[0]]);
   const float area = a.x * b.y - a.y * b.x;
   if (!(std::abs(area) > 0)) return false;
   const Triangle t = triangle(hit.piece, hit.primitive);
@@ -99,7 +112,7 @@ Surface Geometry::sphere_surface(const Hit& hit, const Vec3& point) const {
   Surface s;
   s.ng = s.ns = unit_or(point - sphere.center, {0, 0, 1});
   s.position = sphere.center + s.ng * sphere.radius;
-  s.uv = sphere_uv(s.ng);
+  s.uv = s.uv2 = sphere_uv(s.ng);
   s.material = sphere.material;
   s.light = sphere_lights[hit.primitive];
   return s;
@@ -121,7 +134,8 @@ Surface Geometry::surface(const Hit& hit, const Vec3& origin, const Vec3& direct
     const Vec3 n = blend(normals[corner[0]], normals[corner[1]], normals[corner[2]], hit.u, hit.v);
     s.ns = unit_or(piece.placed ? turned(n, piece.normal_to_world) : n, s.ng);
   }
-  if (!piece.mesh->uvs.empty()) s.uv = uv(hit);
+  if (!piece.mesh->uvs.empty()) s.uv = s.uv2 = uv(hit);
+  if (!piece.mesh->uvs2.empty()) s.uv2 = uv2(hit);
   return s;
 }
 

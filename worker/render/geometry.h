@@ -34,9 +34,10 @@ struct Surface {
   Vec3 position;
   Vec3 ng;  // unit geometric normal, on the front
   Vec3 ns;  // unit interpolated normal
-  Vec2 uv{0, 0};
+  Vec2 uv{0, 0}, uv2{0, 0};
   int material = 0;
   int light = -1;  // index into Lights, if the surface emits
+  float cone = 0;  // diameter of what the ray stands for, metres; 0: a point
 };
 
 // The corners of a triangle in the world.
@@ -71,9 +72,11 @@ class Geometry {
   Vec3 to_world(std::uint32_t piece, const Vec3& point) const;
   // Texture coordinates at a barycentric point; (0, 0) if the mesh has none.
   Vec2 uv(const Hit& hit) const;
+  // The same of the second set; of the first if the mesh has no second.
+  Vec2 uv2(const Hit& hit) const;
   // The direction in which the texture's u grows, and the one in which its v falls; not orthogonal, not unit.
   // False where the triangle has no usable texture coordinates.
-  bool tangents(const Hit& hit, Vec3& along_u, Vec3& up) const;
+  bool tangents(const Hit& hit, const Texture& texture, Vec3& along_u, Vec3& up) const;
 
   std::vector<Piece> pieces;
   std::vector<int> sphere_lights;  // index into Lights or -1, parallel to Scene::spheres

@@ -42,9 +42,7 @@ RenderScene::RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shu
       materials_(*scene_, std::move(cache)),
       bvh_(
           geometry_, [this](int material) { return materials_.masked(material); },
-          [this](const tracer::Hit& hit) {
-            return materials_.solid(geometry_.material(hit), geometry_.uv(hit));
-          }),
+          [this](const tracer::Hit& hit) { return materials_.opacity(geometry_, hit) > 0.5f; }),
       diameter_(diameter_of(bvh_)),
       lights_(*scene_, geometry_, materials_, diameter_ / 2),
       moves_(false),

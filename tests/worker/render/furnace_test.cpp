@@ -38,7 +38,8 @@ TEST(Furnace, PerfectMirrorsAreInvisible) {
 }
 
 TEST(Furnace, ClearGlassIsInvisible) {
-  Scene scene = furnace({.kind = Material::Kind::glass, .base_color = Color(1, 1, 1), .ior = 1.5f});
+  Scene scene =
+      furnace({.kind = Material::Kind::glass, .base_color = Color(1, 1, 1), .roughness = 0, .ior = 1.5f});
   // Panes have no inside; only bodies.
   scene.meshes.clear();
   scene.instances.clear();

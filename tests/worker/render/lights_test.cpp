@@ -149,13 +149,16 @@ TEST(Lights, EitherStrategyAloneAndBothTogetherAgree) {
   const Scene scene = sky(0);
   const auto ready = prepared(scene);
   const Lights& lights = ready->lights();
-  Bsdf b{.kind = Material::Kind::metallic_roughness,
-         .frame = Frame(Vec3(0, 1, 0)),
-         .ng = {0, 1, 0},
-         .color = Color(0.5f, 0.5f, 0.5f),
-         .f0 = Color(0.3f, 0.3f, 0.3f),
-         .alpha = 0.2f};
+  Bsdf b{.frame = Frame(Vec3(0, 1, 0)), .ng = {0, 1, 0}};
+  const Color f0(0.3f, 0.3f, 0.3f);
+  b.lobes.add({.kind = Lobe::Kind::reflection,
+               .fresnel = Lobe::Fresnel::schlick,
+               .alpha = 0.2f,
+               .color = Color(1, 1, 1),
+               .f0 = f0});
+  b.lobes.add({.kind = Lobe::Kind::coated, .color = Color(0.5f, 0.5f, 0.5f), .f0 = f0});
   b.wo = unit(Vec3(0.5f, 0.2f, 0.8f));
+  balance(b);
   Random random(31);
   constexpr int kMany = 200000;
   struct Sum {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hits, instances, textures and what materials make of them.
+// Hits, instances, textures and the camera's rays.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -93,76 +93,6 @@ TEST(Bvh, DegenerateTrianglesAreHarmless) {
   scene.cameras = {camera_at({0, 2, 3}, {0, 0, 0}, 0.8f)};
   const RenderSettings settings{.size = {16, 16}};
   EXPECT_EQ(dropped(render(*prepared(scene), settings, 0, {0, 0, 16, 16}, {0, 16})), 0u);
-}
-
-// A quad in z = 0 facing +Z with u to the right and v down, as pictures lie on it.
-struct Painted {
-  Scene scene;
-  explicit Painted(Material material, bool flipped = false) {
-    scene.materials.push_back(std::move(material));
-    Mesh quad = grid({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 1, 0);
-    for (Vec2& uv : quad.uvs) uv = {flipped ? 1 - uv.x : uv.x, 1 - uv.y};
-    add_mesh(scene, quad);
-  }
-  Bsdf bsdf(const Vec3& from) const {
-    const Geometry geometry(scene);
-    const Hit hit{0, 0, 0.3f, 0.3f};
-    const Vec3 direction = unit(-from);
-    return Materials(scene).bsdf(geometry, hit, geometry.surface(hit, from, direction, 1), direction);
-  }
-};
-
-TEST(Material, ANormalMapLeansTheNormalAlongTheTexture) {
-  Material m{.kind = Material::Kind::metallic_roughness};
-  m.normal_texture = {.picture = 0};
-  for (const bool flipped : {false, true}) {
-    Painted painted(m, flipped);
-    painted.scene.pictures.push_back({"flat", 1, 1, 3, {0.5f, 0.5f, 1}});
-    EXPECT_LT(length(painted.bsdf({0, 0, 1}).frame.z - Vec3(0, 0, 1)), 1e-6f);
-    painted.scene.pictures[0].pixels = {0.8f, 0.5f, 0.9f};  // towards growing u
-    EXPECT_LT(length(painted.bsdf({0, 0, 1}).frame.z - Vec3(flipped ? -0.6f : 0.6f, 0, 0.8f)), 1e-5f);
-    painted.scene.pictures[0].pixels = {0.5f, 0.8f, 0.9f};  // green is up
-    EXPECT_LT(length(painted.bsdf({0, 0, 1}).frame.z - Vec3(0, 0.6f, 0.8f)), 1e-5f);
-  }
-}
-
-TEST(Material, AShadingNormalIsBentSoThatMirrorDirectionsStayAboveTheSurface) {
-  Material m{.kind = Material::Kind::metallic_roughness};
-  m.normal_texture = {.picture = 0};
-  Random random(8);
-  for (int i = 0; i < 1000; ++i) {
-    Painted painted(m);
-    const Vec2 u = random.pair(), v = random.pair();
-    const Vec3 n = from_square(u.x, 0.5 + 0.5 * u.y);
-    painted.scene.pictures.push_back(
-        {"lean", 1, 1, 3, {0.5f + 0.5f * n.x, 0.5f + 0.5f * n.y, 0.5f + 0.5f * n.z}});
-    const Bsdf b = painted.bsdf(from_square(v.x, 0.505 + 0.49 * v.y));
-    const Vec3 mirrored = b.frame.to_world({-b.wo.x, -b.wo.y, b.wo.z});
-    EXPECT_GT(b.wo.z, 0);
-    EXPECT_GT(dot(mirrored, b.ng), 0);
-  }
-}
-
-TEST(Material, RoughnessAndMetalnessComeFromGreenAndBlue) {
-  Material m{.kind = Material::Kind::metallic_roughness,
-             .base_color = Color(0.5f, 0.4f, 0.3f),
-             .metallic = 1,
-             .roughness = 0.5f};
-  m.metallic_roughness_texture = {.picture = 0};
-  Painted painted(m);
-  painted.scene.pictures.push_back({"orm", 1, 1, 3, {0, 0.5f, 1}});
-  const Bsdf metal = painted.bsdf({0, 0, 1});
-  EXPECT_FLOAT_EQ(metal.alpha, 0.0625f);
-  EXPECT_TRUE(is_black(metal.color));
-  EXPECT_FLOAT_EQ(metal.f0.y, 0.4f);
-  painted.scene.pictures[0].pixels[2] = 0;
-  EXPECT_FLOAT_EQ(painted.bsdf({0, 0, 1}).f0.x, 0.04f);
-}
-
-TEST(Material, BothSidesScatter) {
-  Painted painted({.base_color = Color(0.5f, 0.5f, 0.5f), .double_sided = false});
-  EXPECT_FALSE(is_black(evaluate(painted.bsdf({0, 0, -1}), {0, 0, -1}).f()));
-  EXPECT_TRUE(is_black(evaluate(painted.bsdf({0, 0, -1}), {0, 0, 1}).f()));
 }
 
 TEST(Camera, FieldsOfViewReachTheEdgesOfTheFrame) {

@@ -21,6 +21,26 @@ inline DielectricBoundary dielectric_fresnel(float cosine, float eta) {
   return {0.5f * (parallel * parallel + perpendicular * perpendicular), beyond};
 }
 
+// Reflectance of a sheet whose sides both reflect R: with what goes to and fro within,
+// R + (1 - R)^2 R / (1 - R^2) = 2 R / (1 + R); Stokes 1862, "On the Intensity of the Light Reflected from or
+// Transmitted through a Pile of Plates". The rest goes through.
+inline float sheet_reflectance(float cosine, float ior) {
+  const float r = dielectric_fresnel(cosine, ior).reflectance;
+  return 2 * r / (1 + r);
+}
+
+// Reflectance of a dielectric boundary for diffuse light from the side of index 1: the integral of
+// 2 cosine R(cosine), by the midpoint rule to 1e-4.
+inline float mean_dielectric_fresnel(float ior) {
+  constexpr int kSteps = 128;
+  float sum = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const float cosine = (static_cast<float>(i) + 0.5f) / kSteps;
+    sum += 2 * cosine * dielectric_fresnel(cosine, ior).reflectance;
+  }
+  return sum / kSteps;
+}
+
 // Unpolarised reflectance of a conductor in air; Born and Wolf 1999, section 14.2, solved for real numbers.
 inline float conductor_fresnel(float cosine, float eta, float k) {
   const float cos2 = cosine * cosine, sin2 = 1.0f - cos2;

@@ -34,4 +34,10 @@ inline float visible_reflection_pdf(const Vec3& wo, const Vec3& h, float alpha) 
   return ggx(h, alpha) / (4.0f * wo.z * (1.0f + smith_lambda(wo, alpha)));
 }
 
+// f * cosine of reflection by facets that reflect all; both directions above.
+inline float microfacet_value(const Vec3& wo, const Vec3& wi, const Vec3& h, float alpha) {
+  const float masking = 1.0f / (1.0f + smith_lambda(wo, alpha) + smith_lambda(wi, alpha));
+  return ggx(h, alpha) * masking / (4.0f * wo.z);
+}
+
 }  // namespace tessera::tracer

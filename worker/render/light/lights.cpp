@@ -204,9 +204,9 @@ LightSample Lights::sample_mesh(const Light& light, const Vec3& p, float pick, c
   const float cosine = -dot(direction, normal);
   const int material = geometry_->pieces[piece].mesh->material;
   if (!(distance2 > 0) || cosine == 0 || (cosine < 0 && !materials_->double_sided(material))) return {};
-  const Vec2 where = geometry_->uv({piece, primitive, uv.x, uv.y});
+  const Hit where{piece, primitive, uv.x, uv.y};
   const Color emission =
-      materials_->solid(material, where) ? materials_->emission(material, where) : Color(0, 0, 0);
+      materials_->emission(material, {*geometry_, where}) * materials_->opacity(*geometry_, where);
   return {direction, offset_origin(at, cosine < 0 ? -normal : normal), false, false,
           emission,  mesh_pdf(light, distance2, std::abs(cosine))};
 }
