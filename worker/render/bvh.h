@@ -13,12 +13,19 @@ namespace tessera::tracer {
 
 inline constexpr int kLanes = 16;  // rays of a packet: one 4x4 block of pixels
 
+// What a ray is besides its way.
+struct RayTraits {
+  float time = 0;  // share of the shutter, 0 to 1
+  RayKind kind = RayKind::camera;
+  std::uint32_t seed = 0;  // decides which part of half-transparent surfaces is there for this ray
+};
+
 // Rays side by side, as Embree takes them. Unset lanes hold anything.
 struct alignas(64) Packet {
   RTCRayHit16 r;
   alignas(64) int active[kLanes];  // -1 or 0
 
-  void set(int lane, const Vec3& origin, const Vec3& direction, float far);
+  void set(int lane, const Vec3& origin, const Vec3& direction, float far, const RayTraits& traits = {});
   bool hit(int lane) const { return r.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID; }
   Hit at(int lane) const;
   float distance(int lane) const { return r.ray.tfar[lane]; }
@@ -28,13 +35,13 @@ struct alignas(64) ShadowPacket {
   RTCRay16 r;
   alignas(64) int active[kLanes];
 
-  void set(int lane, const Vec3& origin, const Vec3& direction, float far);
+  void set(int lane, const Vec3& origin, const Vec3& direction, float far, const RayTraits& traits = {});
   bool occluded(int lane) const { return r.tfar[lane] < 0; }
 };
 
-// True if the surface is there at this hit (alpha masks have holes). Pure: it is asked in any order, any
-// number of times.
-using Solid = std::function<bool(const Hit&)>;
+// True if the surface is there at this hit for a ray of this seed (alpha masks have holes). Pure: it is asked
+// in any order, any number of times. The hit's u and v are the texture coordinates if it is on a shape.
+using Solid = std::function<bool(const Hit&, std::uint32_t seed)>;
 
 class Bvh {
  public:
@@ -60,7 +67,8 @@ class Bvh {
   std::unique_ptr<Contents> contents_;
 };
 
-inline void Packet::set(int lane, const Vec3& origin, const Vec3& direction, float far) {
+inline void Packet::set(int lane, const Vec3& origin, const Vec3& direction, float far,
+                        const RayTraits& traits) {
   r.ray.org_x[lane] = origin.x;
   r.ray.org_y[lane] = origin.y;
   r.ray.org_z[lane] = origin.z;
@@ -68,10 +76,10 @@ inline void Packet::set(int lane, const Vec3& origin, const Vec3& direction, flo
   r.ray.dir_x[lane] = direction.x;
   r.ray.dir_y[lane] = direction.y;
   r.ray.dir_z[lane] = direction.z;
-  r.ray.time[lane] = 0;
+  r.ray.time[lane] = traits.time;
   r.ray.tfar[lane] = far;
-  r.ray.mask[lane] = ~0u;
-  r.ray.id[lane] = 0;
+  r.ray.mask[lane] = bit(traits.kind);
+  r.ray.id[lane] = traits.seed;
   r.ray.flags[lane] = 0;
   r.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
   r.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
@@ -84,7 +92,8 @@ inline Hit Packet::at(int lane) const {
           r.hit.u[lane], r.hit.v[lane]};
 }
 
-inline void ShadowPacket::set(int lane, const Vec3& origin, const Vec3& direction, float far) {
+inline void ShadowPacket::set(int lane, const Vec3& origin, const Vec3& direction, float far,
+                              const RayTraits& traits) {
   r.org_x[lane] = origin.x;
   r.org_y[lane] = origin.y;
   r.org_z[lane] = origin.z;
@@ -92,10 +101,10 @@ inline void ShadowPacket::set(int lane, const Vec3& origin, const Vec3& directio
   r.dir_x[lane] = direction.x;
   r.dir_y[lane] = direction.y;
   r.dir_z[lane] = direction.z;
-  r.time[lane] = 0;
+  r.time[lane] = traits.time;
   r.tfar[lane] = far;
-  r.mask[lane] = ~0u;
-  r.id[lane] = 0;
+  r.mask[lane] = bit(traits.kind);
+  r.id[lane] = traits.seed;
   r.flags[lane] = 0;
   active[lane] = -1;
 }

@@ -3,14 +3,10 @@
 
 #include <bit>
 
+#include "worker/render/motion.h"
+
 namespace tessera::tracer {
 namespace {
-
-Vec3 moved(const Vec3& p, const Matrix& m) {
-  return {p.x * m[0][0] + p.y * m[1][0] + p.z * m[2][0] + m[3][0],
-          p.x * m[0][1] + p.y * m[1][1] + p.z * m[2][1] + m[3][1],
-          p.x * m[0][2] + p.y * m[1][2] + p.z * m[2][2] + m[3][2]};
-}
 
 Vec3 turned(const Vec3& v, const Matrix& m) {
   return {v.x * m[0][0] + v.y * m[1][0] + v.z * m[2][0], v.x * m[0][1] + v.y * m[1][1] + v.z * m[2][1],
@@ -44,49 +40,161 @@ Matrix normal_matrix(const Matrix& m) {
   return n;
 }
 
-}  // namespace
-
-Geometry::Geometry(const Scene& scene) : sphere_lights(scene.spheres.size(), -1), scene_(&scene) {
-  for (const Instance& i : scene.instances)
-    pieces.push_back({&scene.meshes[static_cast<std::size_t>(i.mesh)], i.to_world, normal_matrix(i.to_world),
-                      i.to_world != Matrix(), -1});
-  pieces.push_back({});
+int material_of(const Scene& scene, Piece::Kind kind, std::uint32_t shape) {
+  switch (kind) {
+    case Piece::Kind::spheres:
+      return scene.spheres[shape].material;
+    case Piece::Kind::quads:
+      return scene.quads[shape].material;
+    default:
+      return scene.disks[shape].material;
+  }
 }
 
-Triangle Geometry::triangle(std::uint32_t piece, std::uint32_t primitive) const {
-  const Piece& from = pieces[piece];
-  const auto& corner = from.mesh->triangles[primitive];
+Triangle own_triangle(const Mesh& mesh, std::uint32_t primitive) {
+  const auto& corner = mesh.triangles[primitive];
   Triangle t;
-  for (std::size_t i = 0; i < 3; ++i) t.p[i] = from.mesh->positions[corner[i]];
+  for (std::size_t i = 0; i < 3; ++i) t.p[i] = mesh.positions[corner[i]];
   t.normal = cross(t.p[1] - t.p[0], t.p[2] - t.p[0]);
-  if (from.placed) {
-    for (Vec3& p : t.p) p = moved(p, from.to_world);
-    t.normal = turned(t.normal, from.normal_to_world);
+  return t;
+}
+
+void place(Triangle& t, const Matrix& m, const Matrix& normals) {
+  for (Vec3& p : t.p) p = moved(p, m);
+  t.normal = turned(t.normal, normals);
+}
+
+std::uint8_t seen_by(const Scene& scene, int object) {
+  if (object < 0) return kSeenByAll;
+  const Object& o = scene.objects[static_cast<std::size_t>(object)];
+  return static_cast<std::uint8_t>((o.camera ? bit(RayKind::camera) : 0) |
+                                   (o.scattered ? bit(RayKind::scattered) : 0) |
+                                   (o.shadow ? bit(RayKind::shadow) : 0));
+}
+
+}  // namespace
+
+Geometry::Geometry(const Scene& scene, Shutter shutter)
+    : sphere_lights(scene.spheres.size(), -1),
+      quad_lights(scene.quads.size(), -1),
+      disk_lights(scene.disks.size(), -1),
+      scene_(&scene) {
+  for (const Track& t : scene.tracks) {
+    Movement movement(t);
+    std::vector<Matrix> steps = motion_steps(movement, shutter);
+    motions_.push_back({std::move(movement), std::move(steps)});
+  }
+  pieces.reserve(scene.instances.size());
+  for (const Instance& i : scene.instances) {
+    Piece piece{.seen_by = seen_by(scene, i.object)};
+    if (i.object >= 0) piece.track = scene.objects[static_cast<std::size_t>(i.object)].track;
+    piece.placed = piece.track >= 0 || i.to_world != Matrix();
+    pieces.push_back(piece);
+  }
+  add_shapes();
+}
+
+void Geometry::add_shapes() {
+  const auto add = [&](Piece::Kind kind, const auto& shapes) {
+    std::array<std::vector<std::uint32_t>, kSeenByAll + 1> groups;
+    for (std::size_t i = 0; i < shapes.size(); ++i)
+      groups[seen_by(*scene_, shapes[i].object)].push_back(static_cast<std::uint32_t>(i));
+    for (std::size_t bits = 1; bits < groups.size(); ++bits) {  // what nobody sees is not there
+      if (groups[bits].empty()) continue;
+      pieces.push_back({.kind = kind,
+                        .seen_by = static_cast<std::uint8_t>(bits),
+                        .shapes = static_cast<std::uint32_t>(members.size())});
+      members.push_back(std::move(groups[bits]));
+    }
+  };
+  add(Piece::Kind::spheres, scene_->spheres);
+  add(Piece::Kind::quads, scene_->quads);
+  add(Piece::Kind::disks, scene_->disks);
+}
+
+int Geometry::material(const Hit& hit) const {
+  const Piece& piece = pieces[hit.piece];
+  return piece.kind == Piece::Kind::mesh ? mesh(hit.piece).material
+                                         : material_of(*scene_, piece.kind, shape(hit));
+}
+
+int Geometry::object(const Hit& hit) const {
+  switch (pieces[hit.piece].kind) {
+    case Piece::Kind::mesh:
+      return scene_->instances[hit.piece].object;
+    case Piece::Kind::spheres:
+      return scene_->spheres[shape(hit)].object;
+    case Piece::Kind::quads:
+      return scene_->quads[shape(hit)].object;
+    case Piece::Kind::disks:
+      return scene_->disks[shape(hit)].object;
+  }
+  return -1;
+}
+
+Triangle Geometry::triangle(std::uint32_t piece, std::uint32_t primitive, float time) const {
+  Triangle t = own_triangle(mesh(piece), primitive);
+  if (pieces[piece].placed) {
+    const Matrix m = to_world(piece, time);
+    place(t, m, normal_matrix(m));
   }
   return t;
 }
 
-Vec3 Geometry::to_world(std::uint32_t piece, const Vec3& point) const {
-  return pieces[piece].placed ? moved(point, pieces[piece].to_world) : point;
+Matrix Geometry::to_world(std::uint32_t piece, float time) const {
+  const Matrix& rest = scene_->instances[piece].to_world;
+  if (pieces[piece].track < 0) return rest;
+  const std::vector<Matrix>& steps = motions_[static_cast<std::size_t>(pieces[piece].track)].steps;
+  if (steps.size() == 1) return rest * steps[0];
+  const float at = std::clamp(time, 0.0f, 1.0f) * static_cast<float>(steps.size() - 1);
+  const std::size_t i = std::min(static_cast<std::size_t>(at), steps.size() - 2);
+  const float share = at - static_cast<float>(i);
+  return rest * (steps[i] * (1.0f - share) + steps[i + 1] * share);
+}
+
+Matrix Geometry::to_world_at(std::uint32_t piece, double seconds) const {
+  const Matrix& rest = scene_->instances[piece].to_world;
+  const int track = pieces[piece].track;
+  return track < 0 ? rest : rest * motions_[static_cast<std::size_t>(track)].movement.at(seconds);
+}
+
+std::size_t Geometry::steps(std::uint32_t piece) const {
+  const int track = pieces[piece].track;
+  return track < 0 ? 1 : motions_[static_cast<std::size_t>(track)].steps.size();
+}
+
+Matrix Geometry::step(std::uint32_t piece, std::size_t i) const {
+  const Matrix& rest = scene_->instances[piece].to_world;
+  const int track = pieces[piece].track;
+  return track < 0 ? rest : rest * motions_[static_cast<std::size_t>(track)].steps[i];
 }
 
 Vec2 Geometry::uv(const Hit& hit) const {
-  const Piece& piece = pieces[hit.piece];
-  if (!piece.mesh || piece.mesh->uvs.empty()) return {0, 0};
-  const auto& corner = piece.mesh->triangles[hit.primitive];
-  const auto& uvs = piece.mesh->uvs;
-  return blend(uvs[corner[0]], uvs[corner[1]], uvs[corner[2]], hit.u, hit.v);
+  if (pieces[hit.piece].kind != Piece::Kind::mesh) return {hit.u, hit.v};
+  const Mesh& of = mesh(hit.piece);
+  if (of.uvs.empty()) return {0, 0};
+  const auto& corner = of.triangles[hit.primitive];
+  return blend(of.uvs[corner[0]], of.uvs[corner[1]], of.uvs[corner[2]], hit.u, hit.v);
 }
 
-bool Geometry::tangents(const Hit& hit, Vec3& along_u, Vec3& up) const {
-  const Piece& piece = pieces[hit.piece];
-  if (!piece.mesh || piece.mesh->uvs.empty()) return false;
-  const auto& corner = piece.mesh->triangles[hit.primitive];
-  const auto& uvs = piece.mesh->uvs;
+Vec2 Geometry::shape_uv(const Hit& hit, const Vec3& point) const {
+  if (pieces[hit.piece].kind == Piece::Kind::disks) return disk_uv(scene_->disks[shape(hit)], point);
+  return sphere_uv(unit_or(point - scene_->spheres[shape(hit)].center, {0, 0, 1}));
+}
+
+bool Geometry::tangents(const Hit& hit, Vec3& along_u, Vec3& up, float time) const {
+  if (pieces[hit.piece].kind == Piece::Kind::quads) {
+    along_u = scene_->quads[shape(hit)].edge_u;
+    up = -scene_->quads[shape(hit)].edge_v;
+    return true;
+  }
+  if (pieces[hit.piece].kind != Piece::Kind::mesh || mesh(hit.piece).uvs.empty()) return false;
+  const auto& corner = mesh(hit.piece).triangles[hit.primitive];
+  const auto& uvs = mesh(hit.piece).uvs;
   const Vec2 a = uvs[corner[1]] - uvs[corner[0]], b = uvs[corner[2]] - uvs[corner[0]];
   const float area = a.x * b.y - a.y * b.x;
   if (!(std::abs(area) > 0)) return false;
-  const Triangle t = triangle(hit.piece, hit.primitive);
+  const Triangle t = triangle(hit.piece, hit.primitive, time);
   const Vec3 e1 = t.p[1] - t.p[0], e2 = t.p[2] - t.p[0];
   const float sign = area < 0 ? -1.0f : 1.0f;
   along_u = (e1 * b.y - e2 * a.y) * sign;
@@ -95,34 +203,76 @@ bool Geometry::tangents(const Hit& hit, Vec3& along_u, Vec3& up) const {
 }
 
 Surface Geometry::sphere_surface(const Hit& hit, const Vec3& point) const {
-  const Sphere& sphere = scene_->spheres[hit.primitive];
+  const Sphere& sphere = scene_->spheres[shape(hit)];
   Surface s;
   s.ng = s.ns = unit_or(point - sphere.center, {0, 0, 1});
   s.position = sphere.center + s.ng * sphere.radius;
   s.uv = sphere_uv(s.ng);
   s.material = sphere.material;
-  s.light = sphere_lights[hit.primitive];
+  s.light = sphere_lights[shape(hit)];
   return s;
 }
 
-Surface Geometry::surface(const Hit& hit, const Vec3& origin, const Vec3& direction, float distance) const {
+Surface Geometry::quad_surface(const Hit& hit) const {
+  const Quad& quad = scene_->quads[shape(hit)];
+  Surface s;
+  s.position = quad.corner + quad.edge_u * hit.u + quad.edge_v * hit.v;
+  s.ng = s.ns = unit_or(cross(quad.edge_u, quad.edge_v), {0, 0, 1});
+  s.uv = {hit.u, hit.v};
+  s.material = quad.material;
+  s.light = quad_lights[shape(hit)];
+  return s;
+}
+
+Surface Geometry::disk_surface(const Hit& hit, const Vec3& point) const {
+  const Disk& disk = scene_->disks[shape(hit)];
+  Surface s;
+  s.ng = s.ns = unit_or(disk.normal, {0, 0, 1});
+  const Vec3 way = point - disk.center;
+  s.position = disk.center + (way - s.ng * dot(way, s.ng));
+  s.uv = disk_uv(disk, point);
+  s.material = disk.material;
+  s.light = disk_lights[shape(hit)];
+  return s;
+}
+
+Surface Geometry::surface(const Hit& hit, const Vec3& origin, const Vec3& direction, float distance,
+                          float time) const {
   const Piece& piece = pieces[hit.piece];
-  if (!piece.mesh) return sphere_surface(hit, origin + direction * distance);
-  const Triangle t = triangle(hit.piece, hit.primitive);
+  if (piece.kind == Piece::Kind::spheres) return sphere_surface(hit, origin + direction * distance);
+  if (piece.kind == Piece::Kind::quads) return quad_surface(hit);
+  if (piece.kind == Piece::Kind::disks) return disk_surface(hit, origin + direction * distance);
+  const Mesh& of = mesh(hit.piece);
+  Triangle t = own_triangle(of, hit.primitive);
+  Matrix normals;
+  if (piece.placed) {
+    const Matrix m = to_world(hit.piece, time);
+    normals = normal_matrix(m);
+    place(t, m, normals);
+  }
   Surface s;
   // From the corners, not along the ray: exact to the last bits however far the ray came.
   s.position = blend(t.p[0], t.p[1], t.p[2], hit.u, hit.v);
   s.ng = s.ns = unit_or(t.normal, -direction);
-  s.material = piece.mesh->material;
-  s.light = piece.light;
-  if (!piece.mesh->normals.empty()) {
-    const auto& corner = piece.mesh->triangles[hit.primitive];
-    const auto& normals = piece.mesh->normals;
-    const Vec3 n = blend(normals[corner[0]], normals[corner[1]], normals[corner[2]], hit.u, hit.v);
-    s.ns = unit_or(piece.placed ? turned(n, piece.normal_to_world) : n, s.ng);
+  s.material = of.material;
+  s.time = time;
+  if (piece.light >= 0) {
+    s.light = piece.light + piece.light_step * static_cast<int>(hit.primitive);
+    s.area = 0.5f * length(t.normal);
   }
-  if (!piece.mesh->uvs.empty()) s.uv = uv(hit);
+  if (!of.normals.empty()) {
+    const auto& corner = of.triangles[hit.primitive];
+    const Vec3 n = blend(of.normals[corner[0]], of.normals[corner[1]], of.normals[corner[2]], hit.u, hit.v);
+    s.ns = unit_or(piece.placed ? turned(n, normals) : n, s.ng);
+  }
+  if (!of.uvs.empty()) s.uv = uv(hit);
   return s;
+}
+
+Vec2 disk_uv(const Disk& disk, const Vec3& point) {
+  const Frame frame(unit_or(disk.normal, {0, 0, 1}));
+  const Vec3 way = (point - disk.center) * (0.5f / disk.radius);
+  return {0.5f + dot(way, frame.x), 0.5f + dot(way, frame.y)};
 }
 
 Vec2 sphere_uv(const Vec3& n) {

@@ -12,13 +12,13 @@ float diameter_of(const tracer::Bvh& bvh) {
 
 }  // namespace
 
-RenderScene::RenderScene(std::shared_ptr<const Scene> scene)
+RenderScene::RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shutter)
     : scene_(std::move(scene)),
-      geometry_(*scene_),
+      geometry_(*scene_, shutter),
       materials_(*scene_),
       bvh_(
           geometry_, [this](int material) { return materials_.masked(material); },
-          [this](const tracer::Hit& hit) {
+          [this](const tracer::Hit& hit, std::uint32_t) {
             return materials_.solid(geometry_.material(hit), geometry_.uv(hit));
           }),
       diameter_(diameter_of(bvh_)),

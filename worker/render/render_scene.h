@@ -11,7 +11,7 @@ namespace tessera {
 
 class RenderScene {
  public:
-  explicit RenderScene(std::shared_ptr<const Scene> scene);
+  explicit RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shutter = {});
 
   const Scene& scene() const { return *scene_; }
   const tracer::Geometry& geometry() const { return geometry_; }

@@ -82,8 +82,8 @@ void Lights::add_punctual(float radius) {
 
 void Lights::add_meshes() {
   std::vector<float> areas;
-  for (std::size_t i = 0; i < geometry_->sphere_piece(); ++i) {
-    const Mesh& mesh = *geometry_->pieces[i].mesh;
+  for (std::size_t i = 0; i < geometry_->meshes(); ++i) {
+    const Mesh& mesh = geometry_->mesh(std::uint32_t(i));
     if (!materials_->emits(mesh.material) || mesh.triangles.empty()) continue;
     areas.clear();
     double area = 0;
@@ -202,7 +202,7 @@ LightSample Lights::sample_mesh(const Light& light, const Vec3& p, float pick, c
   const float distance2 = dot(way, way);
   const Vec3 direction = way * (1.0f / std::sqrt(distance2));
   const float cosine = -dot(direction, normal);
-  const int material = geometry_->pieces[piece].mesh->material;
+  const int material = geometry_->mesh(piece).material;
   if (!(distance2 > 0) || cosine == 0 || (cosine < 0 && !materials_->double_sided(material))) return {};
   const Vec2 where = geometry_->uv({piece, primitive, uv.x, uv.y});
   const Color emission =
