@@ -259,6 +259,7 @@ Surface Geometry::surface(const Hit& hit, const Vec3& origin, const Vec3& direct
   if (piece.light >= 0) {
     s.light = piece.light + piece.light_step * static_cast<int>(hit.primitive);
     s.area = 0.5f * length(t.normal);
+    s.primitive = hit.primitive;
   }
   if (!of.normals.empty()) {
     const auto& corner = of.triangles[hit.primitive];

@@ -43,9 +43,10 @@ struct Surface {
   Vec3 ns;  // unit interpolated normal
   Vec2 uv{0, 0};
   int material = 0;
-  int light = -1;  // index into Lights, if the surface emits
-  float area = 0;  // of a triangle that emits
-  float time = 0;  // share of the shutter
+  int light = -1;               // index into Lights, if the surface emits
+  float area = 0;               // of a triangle that emits
+  std::uint32_t primitive = 0;  // of a mesh that emits: the triangle
+  float time = 0;               // share of the shutter
 };
 
 // The corners of a triangle in the world.

@@ -12,7 +12,8 @@ float diameter_of(const tracer::Bvh& bvh) {
 
 }  // namespace
 
-RenderScene::RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shutter)
+RenderScene::RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shutter,
+                         tracer::LightChoice choice)
     : scene_(std::move(scene)),
       geometry_(*scene_, shutter),
       materials_(*scene_),
@@ -22,7 +23,7 @@ RenderScene::RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shu
             return materials_.solid(geometry_.material(hit), geometry_.uv(hit));
           }),
       diameter_(diameter_of(bvh_)),
-      lights_(*scene_, geometry_, materials_, diameter_ / 2) {}
+      lights_(*scene_, geometry_, materials_, diameter_ / 2, choice) {}
 
 std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene> scene) {
   return std::make_shared<RenderScene>(std::move(scene));

@@ -11,7 +11,8 @@ namespace tessera {
 
 class RenderScene {
  public:
-  explicit RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shutter = {});
+  explicit RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shutter = {},
+                       tracer::LightChoice choice = tracer::LightChoice::tree);
 
   const Scene& scene() const { return *scene_; }
   const tracer::Geometry& geometry() const { return geometry_; }
