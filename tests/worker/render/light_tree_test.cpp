@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/worker/render/chi_squared.h"
 
 namespace tessera::tracer {
@@ -143,6 +145,22 @@ TEST(LightTree, IsEmptyWhereNothingShines) {
   const std::vector<LightBounds> dark(3);
   EXPECT_EQ(LightTree(dark).pick({0, 0, 0}, {0, 1, 0}, 0.3f).probability, 0);
   EXPECT_EQ(LightTree(dark).probability({0, 0, 0}, {0, 1, 0}, 1), 0);
+}
+
+TEST(LightTree, LightsAtNoPlaceOrWithoutADirectionDoNotSpoilTheRest) {
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN(),
+                  kInfinite = std::numeric_limits<float>::infinity();
+  std::vector<LightBounds> lights(6, LightBounds{.low = {0, 1, 0}, .high = {0, 1, 0}, .intensity = 1});
+  lights[1].low.x = kNone;
+  lights[2].high.y = kInfinite;
+  lights[3].facing = {{kNone, kNone, kNone}, 1};
+  lights[4].low = {-3e38f, 0, 3e38f};
+  lights[4].high = {0, 3e38f, 3e38f};
+  const LightTree tree(lights);
+  double sum = 0;
+  for (std::uint32_t l = 0; l < lights.size(); ++l) sum += tree.probability({0, 0, 0}, {0, 1, 0}, l);
+  EXPECT_NEAR(sum, 1, 1e-5);
+  for (const std::uint32_t l : {0u, 3u, 5u}) EXPECT_GT(tree.probability({0, 0, 0}, {0, 1, 0}, l), 0.1f);
 }
 
 TEST(LightTree, ConesHoldBothOfTheirParts) {

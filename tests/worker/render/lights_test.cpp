@@ -210,8 +210,11 @@ TEST(Lights, PowerAndNothingButTheNumberPickIfToldSo) {
   EXPECT_FLOAT_EQ(pdf(LightChoice::power, {0, 0.9f, 0}, 0.5f), 0.75f);
   EXPECT_FLOAT_EQ(pdf(LightChoice::power, {0, 0.9f, 0}, 0.8f), 0.25f);
   for (const float pick : {0.2f, 0.7f}) EXPECT_FLOAT_EQ(pdf(LightChoice::uniform, {0, 0.9f, 0}, pick), 0.5f);
-  // The tree heeds the distance: 3 / 0.1^2 against 1 / 1.9^2.
-  EXPECT_FLOAT_EQ(pdf(LightChoice::tree, {0, 0.9f, 0}, 0.5f), 300 / (300 + 1 / 3.61f));
+  EXPECT_FLOAT_EQ(pdf(LightChoice::tree, {0, 0.9f, 0}, 0.5f), 0.75f);  // but two: by power
+  // The tree heeds the distance: 3 / 0.1^2 against (1 + 1) / 1.9^2.
+  scene.points.push_back(scene.points[1]);
+  const RenderScene three(std::make_shared<const Scene>(scene));
+  EXPECT_FLOAT_EQ(three.lights().sample({0, 0.9f, 0}, {0, 1, 0}, 0.5f, {}).pdf, 300 / (300 + 2 / 3.61f));
 }
 
 // The integral over all directions of what a glossy point reflects, by either strategy alone and by both.

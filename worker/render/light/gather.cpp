@@ -11,6 +11,8 @@ namespace {
 constexpr float kLeastHalfAngle = 5e-5f;
 // Beyond so many triangles a mesh is one light.
 constexpr std::size_t kMostTriangles = std::size_t{1} << 20;
+// Up to so many near lights are picked by power: a tree would cost more than it gains.
+constexpr std::size_t kFew = 2;
 
 float versine(float angle) { return 2 * square(std::sin(angle / 2)); }
 
@@ -198,7 +200,7 @@ void Lights::add_far(float radius) {
 
 void Lights::share_picks(LightChoice choice, const std::vector<LightBounds>& bounds) {
   near_share_ = near_.empty() ? 0.0f : far_.empty() ? 1.0f : 0.5f;
-  if (choice == LightChoice::tree) {
+  if (choice == LightChoice::tree && near_.size() > kFew) {
     tree_ = LightTree(bounds);
   } else {
     std::vector<float> weights;

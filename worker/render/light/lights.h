@@ -40,8 +40,8 @@ struct Emitted {
   const LightTraits* traits = nullptr;
 };
 
-// How a light that is somewhere is picked: by what it may give to the point, by its power, or all alike. The
-// last two are what the first is measured against.
+// How a light that is somewhere is picked: by what it may give to the point (by its power if there are but
+// two), by its power, or all alike. The last two are what the first is measured against.
 enum class LightChoice : std::uint8_t { tree, power, uniform };
 
 class Lights {
