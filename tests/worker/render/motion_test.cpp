@@ -96,6 +96,31 @@ TEST(Motion, SurfacesLieWhereTheirHitsAre) {
   EXPECT_GT(hits, 100);
 }
 
+// Coplanar sheets among moving ones, some there once and some often: which of them a ray hits is no accident.
+TEST(Motion, TheSameSceneBuiltAgainGivesTheSameHits) {
+  Scene scene = moving_square({{0, 1}, {Matrix(), turned_about_y(0.4)}});
+  scene.objects.emplace_back();
+  for (int i = 0; i < 120; ++i)
+    scene.instances.push_back(
+        {0, Matrix().translate(Vec3(0.05f * float(i % 7), 0.03f * float(i % 5), 0)), i % 2});
+  const auto shared = std::make_shared<const Scene>(scene);
+  const RenderScene once(shared, {0, 1}), again(shared, {0, 1});
+  Random random(8);
+  int hits = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 from(1.5f * random.number() - 0.6f, random.number() - 0.5f, 2);
+    const RayTraits traits{.time = i % 3 == 0 ? 0.0f : random.number()};
+    const auto a = look(once, from, {0, 0, -1}, traits), b = look(again, from, {0, 0, -1}, traits);
+    ASSERT_EQ(a.has_value(), b.has_value());
+    if (!a) continue;
+    ++hits;
+    ASSERT_EQ(a->hit.piece, b->hit.piece);
+    ASSERT_EQ(a->distance, b->distance);
+    ASSERT_EQ(a->surface.position, b->surface.position);
+  }
+  EXPECT_GT(hits, 1000);
+}
+
 TEST(Motion, AClosedShutterShowsTheMomentItOpens) {
   const Track track{{0, 1}, {Matrix(), Matrix().translate(Vec3(4, 0, 0))}};
   const RenderScene scene = ready(moving_square(track), {0.5, 0.5});

@@ -198,14 +198,22 @@ void Lights::add_far(float radius) {
   far_picks_ = Distribution(powers);
 }
 
+// The power of a light for each W/sr of its intensity.
+float Lights::spread(Kind kind, const LightBounds& b) {
+  if (kind == Kind::spot) return 2 * kPi * (1 - b.cos_reach);
+  if (kind == Kind::point || kind == Kind::sphere || kind == Kind::mesh) return 4 * kPi;
+  return b.two_sided ? 2 * kPi : kPi;
+}
+
 void Lights::share_picks(LightChoice choice, const std::vector<LightBounds>& bounds) {
   near_share_ = near_.empty() ? 0.0f : far_.empty() ? 1.0f : 0.5f;
   if (choice == LightChoice::tree && near_.size() > kFew) {
     tree_ = LightTree(bounds);
   } else {
     std::vector<float> weights;
-    for (const LightBounds& b : bounds)
-      weights.push_back(choice == LightChoice::uniform ? 1.0f : b.intensity * (b.two_sided ? 2.0f : 1.0f));
+    for (std::size_t i = 0; i < near_.size(); ++i)
+      weights.push_back(
+          choice == LightChoice::uniform ? 1.0f : bounds[i].intensity * spread(near_[i].kind, bounds[i]));
     near_picks_ = Distribution(weights);
   }
   for (std::size_t i = 0; i < far_.size(); ++i) {

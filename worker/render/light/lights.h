@@ -115,6 +115,7 @@ class Lights {
   std::uint32_t table_of(int mesh);
   void add_shapes(std::vector<LightBounds>& bounds);
   void add_far(float radius);
+  static float spread(Kind kind, const LightBounds& b);
   void share_picks(LightChoice choice, const std::vector<LightBounds>& bounds);
 
   Picked picked(const Vec3& p, const Vec3& n, float pick) const;
