@@ -127,6 +127,32 @@ TEST(Irradiance, OfTheTrianglesOfAMesh) {
   expect_all(scene, {0, 1, 0}, polygon(higher, {0, 1, 0}), "mesh");
 }
 
+TEST(Irradiance, OfAMeshOfMoreTrianglesThanAreLightsOfTheirOwn) {
+  Scene scene = with_lamp();
+  Mesh fine = grid(kParallelogram.corner, kParallelogram.edge_u, kParallelogram.edge_v, 730, 0);
+  for (Vec3& p : fine.positions) p.x = -1 + (p.x + 1) * (p.x + 1) / 2.5f;  // uneven ones
+  const auto stretched = [](const Vec3& p) { return Vec3(p.x, 0.5f * p.y + 1, 1.5f * p.z); };
+  add_mesh(scene, std::move(fine), Matrix().scale(Vec3(1, 0.5f, 1.5f)) * Matrix().translate(Vec3(0, 1, 0)));
+  ASSERT_GT(scene.meshes[0].triangles.size(), std::size_t{1} << 20);
+  const Quad small{{2, 2, 0}, {1, 0, 0}, {0, 0, 1}};
+  for (int i = 0; i < 2; ++i)  // more than two lights: the tree picks
+    add_mesh(scene, grid(small.corner + small.edge_u * float(i), small.edge_u, small.edge_v, 1, 0));
+  // The rim of the sheet as it was bent, in short straight pieces.
+  std::vector<V3d> rim;
+  constexpr int kPieces = 730;
+  const auto along = [&](float u, float v) {
+    Vec3 p = kParallelogram.corner + kParallelogram.edge_u * u + kParallelogram.edge_v * v;
+    p.x = -1 + (p.x + 1) * (p.x + 1) / 2.5f;
+    rim.emplace_back(stretched(p));
+  };
+  for (int i = 0; i < kPieces; ++i) along(float(i) / kPieces, 0);
+  along(1, 0);
+  for (int i = 0; i <= kPieces; ++i) along(1 - float(i) / kPieces, 1);
+  const double known = polygon(rim, {0, 1, 0}) + polygon(small, {0, 1, 0}) +
+                       polygon(Quad{{3, 2, 0}, {1, 0, 0}, {0, 0, 1}}, {0, 1, 0});
+  expect_all(scene, {0, 1, 0}, known, "fine mesh", kAt, 1e-3);
+}
+
 // Disk parallel to the surface, its centre `a` to the side and `h` above; Howell, A Catalog of Radiation
 // Configuration Factors, B-13.
 double disk_factor(double r, double h, double a) {
