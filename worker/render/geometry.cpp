@@ -18,13 +18,6 @@ T blend(const T& a, const T& b, const T& c, float u, float v) {
   return a * (1.0f - u - v) + b * u + c * v;
 }
 
-// Unit, or `otherwise` where v has no direction.
-Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
-  const float largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-  if (!(largest > 0)) return otherwise;
-  return unit(v * (1.0f / largest));  // tiny triangles have normals whose square underflows
-}
-
 // The matrix that carries normals: the cofactors of m's linear part, which unlike the inverse transpose exist
 // for every matrix; their sign is set so that the front stays the front.
 Matrix normal_matrix(const Matrix& m) {
@@ -40,17 +33,6 @@ Matrix normal_matrix(const Matrix& m) {
   return n;
 }
 
-int material_of(const Scene& scene, Piece::Kind kind, std::uint32_t shape) {
-  switch (kind) {
-    case Piece::Kind::spheres:
-      return scene.spheres[shape].material;
-    case Piece::Kind::quads:
-      return scene.quads[shape].material;
-    default:
-      return scene.disks[shape].material;
-  }
-}
-
 Triangle own_triangle(const Mesh& mesh, std::uint32_t primitive) {
   const auto& corner = mesh.triangles[primitive];
   Triangle t;
@@ -59,17 +41,26 @@ Triangle own_triangle(const Mesh& mesh, std::uint32_t primitive) {
   return t;
 }
 
+// (0, 0) if there are none.
+Vec2 uv_in(const Mesh& mesh, const std::vector<Vec2>& uvs, const Hit& hit) {
+  if (uvs.empty()) return {0, 0};
+  const auto& corner = mesh.triangles[hit.primitive];
+  return blend(uvs[corner[0]], uvs[corner[1]], uvs[corner[2]], hit.u, hit.v);
+}
+
+// Edges of a surface as differences of texture coordinates, to the directions of the coordinates.
+bool solve_tangents(const Vec3& e1, const Vec3& e2, const Vec2& a, const Vec2& b, Vec3& along_u, Vec3& up) {
+  const float area = a.x * b.y - a.y * b.x;
+  if (!(std::abs(area) > 0)) return false;
+  const float sign = area < 0 ? -1.0f : 1.0f;
+  along_u = (e1 * b.y - e2 * a.y) * sign;
+  up = (e1 * b.x - e2 * a.x) * sign;
+  return dot(along_u, along_u) > 0 && dot(up, up) > 0;
+}
+
 void place(Triangle& t, const Matrix& m, const Matrix& normals) {
   for (Vec3& p : t.p) p = moved(p, m);
   t.normal = turned(t.normal, normals);
-}
-
-std::uint8_t seen_by(const Scene& scene, int object) {
-  if (object < 0) return kSeenByAll;
-  const Object& o = scene.objects[static_cast<std::size_t>(object)];
-  return static_cast<std::uint8_t>((o.camera ? bit(RayKind::camera) : 0) |
-                                   (o.scattered ? bit(RayKind::scattered) : 0) |
-                                   (o.shadow ? bit(RayKind::shadow) : 0));
 }
 
 }  // namespace
@@ -92,44 +83,6 @@ Geometry::Geometry(const Scene& scene, Shutter shutter)
     pieces.push_back(piece);
   }
   add_shapes();
-}
-
-void Geometry::add_shapes() {
-  const auto add = [&](Piece::Kind kind, const auto& shapes) {
-    std::array<std::vector<std::uint32_t>, kSeenByAll + 1> groups;
-    for (std::size_t i = 0; i < shapes.size(); ++i)
-      groups[seen_by(*scene_, shapes[i].object)].push_back(static_cast<std::uint32_t>(i));
-    for (std::size_t bits = 1; bits < groups.size(); ++bits) {  // what nobody sees is not there
-      if (groups[bits].empty()) continue;
-      pieces.push_back({.kind = kind,
-                        .seen_by = static_cast<std::uint8_t>(bits),
-                        .shapes = static_cast<std::uint32_t>(members.size())});
-      members.push_back(std::move(groups[bits]));
-    }
-  };
-  add(Piece::Kind::spheres, scene_->spheres);
-  add(Piece::Kind::quads, scene_->quads);
-  add(Piece::Kind::disks, scene_->disks);
-}
-
-int Geometry::material(const Hit& hit) const {
-  const Piece& piece = pieces[hit.piece];
-  return piece.kind == Piece::Kind::mesh ? mesh(hit.piece).material
-                                         : material_of(*scene_, piece.kind, shape(hit));
-}
-
-int Geometry::object(const Hit& hit) const {
-  switch (pieces[hit.piece].kind) {
-    case Piece::Kind::mesh:
-      return scene_->instances[hit.piece].object;
-    case Piece::Kind::spheres:
-      return scene_->spheres[shape(hit)].object;
-    case Piece::Kind::quads:
-      return scene_->quads[shape(hit)].object;
-    case Piece::Kind::disks:
-      return scene_->disks[shape(hit)].object;
-  }
-  return -1;
 }
 
 Triangle Geometry::triangle(std::uint32_t piece, std::uint32_t primitive, float time) const {
@@ -170,70 +123,32 @@ Matrix Geometry::step(std::uint32_t piece, std::size_t i) const {
 }
 
 Vec2 Geometry::uv(const Hit& hit) const {
-  if (pieces[hit.piece].kind != Piece::Kind::mesh) return {hit.u, hit.v};
-  const Mesh& of = mesh(hit.piece);
-  if (of.uvs.empty()) return {0, 0};
-  const auto& corner = of.triangles[hit.primitive];
-  return blend(of.uvs[corner[0]], of.uvs[corner[1]], of.uvs[corner[2]], hit.u, hit.v);
+  const Mesh* of = mesh_at(hit);
+  return of ? uv_in(*of, of->uvs, hit) : Vec2(hit.u, hit.v);
 }
 
-Vec2 Geometry::shape_uv(const Hit& hit, const Vec3& point) const {
-  if (pieces[hit.piece].kind == Piece::Kind::disks) return disk_uv(scene_->disks[shape(hit)], point);
-  return sphere_uv(unit_or(point - scene_->spheres[shape(hit)].center, {0, 0, 1}));
+Vec2 Geometry::uv2(const Hit& hit) const {
+  const Mesh* of = mesh_at(hit);
+  return of && !of->uvs2.empty() ? uv_in(*of, of->uvs2, hit) : uv(hit);
 }
 
-bool Geometry::tangents(const Hit& hit, Vec3& along_u, Vec3& up, float time) const {
+bool Geometry::tangents(const Hit& hit, const Texture& texture, Vec3& along_u, Vec3& up, float time) const {
+  const auto turned_uv = [&](const Vec2& d) {
+    const auto& t = texture.transform;
+    return Vec2(t[0] * d.x + t[1] * d.y, t[3] * d.x + t[4] * d.y);
+  };
   if (pieces[hit.piece].kind == Piece::Kind::quads) {
-    along_u = scene_->quads[shape(hit)].edge_u;
-    up = -scene_->quads[shape(hit)].edge_v;
-    return true;
+    const Quad& q = scene_->quads[shape(hit)];
+    return solve_tangents(q.edge_u, q.edge_v, turned_uv({1, 0}), turned_uv({0, 1}), along_u, up);
   }
-  if (pieces[hit.piece].kind != Piece::Kind::mesh || mesh(hit.piece).uvs.empty()) return false;
-  const auto& corner = mesh(hit.piece).triangles[hit.primitive];
-  const auto& uvs = mesh(hit.piece).uvs;
-  const Vec2 a = uvs[corner[1]] - uvs[corner[0]], b = uvs[corner[2]] - uvs[corner[0]];
-  const float area = a.x * b.y - a.y * b.x;
-  if (!(std::abs(area) > 0)) return false;
+  const Mesh* of = mesh_at(hit);
+  if (!of) return false;
+  const auto& uvs = texture.uv_set == 0 || of->uvs2.empty() ? of->uvs : of->uvs2;
+  if (uvs.empty()) return false;
+  const auto& corner = of->triangles[hit.primitive];
   const Triangle t = triangle(hit.piece, hit.primitive, time);
-  const Vec3 e1 = t.p[1] - t.p[0], e2 = t.p[2] - t.p[0];
-  const float sign = area < 0 ? -1.0f : 1.0f;
-  along_u = (e1 * b.y - e2 * a.y) * sign;
-  up = (e1 * b.x - e2 * a.x) * sign;
-  return dot(along_u, along_u) > 0 && dot(up, up) > 0;
-}
-
-Surface Geometry::sphere_surface(const Hit& hit, const Vec3& point) const {
-  const Sphere& sphere = scene_->spheres[shape(hit)];
-  Surface s;
-  s.ng = s.ns = unit_or(point - sphere.center, {0, 0, 1});
-  s.position = sphere.center + s.ng * sphere.radius;
-  s.uv = sphere_uv(s.ng);
-  s.material = sphere.material;
-  s.light = sphere_lights[shape(hit)];
-  return s;
-}
-
-Surface Geometry::quad_surface(const Hit& hit) const {
-  const Quad& quad = scene_->quads[shape(hit)];
-  Surface s;
-  s.position = quad.corner + quad.edge_u * hit.u + quad.edge_v * hit.v;
-  s.ng = s.ns = unit_or(cross(quad.edge_u, quad.edge_v), {0, 0, 1});
-  s.uv = {hit.u, hit.v};
-  s.material = quad.material;
-  s.light = quad_lights[shape(hit)];
-  return s;
-}
-
-Surface Geometry::disk_surface(const Hit& hit, const Vec3& point) const {
-  const Disk& disk = scene_->disks[shape(hit)];
-  Surface s;
-  s.ng = s.ns = unit_or(disk.normal, {0, 0, 1});
-  const Vec3 way = point - disk.center;
-  s.position = disk.center + (way - s.ng * dot(way, s.ng));
-  s.uv = disk_uv(disk, point);
-  s.material = disk.material;
-  s.light = disk_lights[shape(hit)];
-  return s;
+  return solve_tangents(t.p[1] - t.p[0], t.p[2] - t.p[0], turned_uv(uvs[corner[1]] - uvs[corner[0]]),
+                        turned_uv(uvs[corner[2]] - uvs[corner[0]]), along_u, up);
 }
 
 Surface Geometry::surface(const Hit& hit, const Vec3& origin, const Vec3& direction, float distance,
@@ -266,18 +181,9 @@ Surface Geometry::surface(const Hit& hit, const Vec3& origin, const Vec3& direct
     const Vec3 n = blend(of.normals[corner[0]], of.normals[corner[1]], of.normals[corner[2]], hit.u, hit.v);
     s.ns = unit_or(piece.placed ? turned(n, normals) : n, s.ng);
   }
-  if (!of.uvs.empty()) s.uv = uv(hit);
+  if (!of.uvs.empty()) s.uv = s.uv2 = uv(hit);
+  if (!of.uvs2.empty()) s.uv2 = uv2(hit);
   return s;
-}
-
-Vec2 disk_uv(const Disk& disk, const Vec3& point) {
-  const Frame frame(unit_or(disk.normal, {0, 0, 1}));
-  const Vec3 way = (point - disk.center) * (0.5f / disk.radius);
-  return {0.5f + dot(way, frame.x), 0.5f + dot(way, frame.y)};
-}
-
-Vec2 sphere_uv(const Vec3& n) {
-  return {0.5f + std::atan2(n.x, -n.z) * (0.5f * kInvPi), std::acos(std::clamp(n.y, -1.0f, 1.0f)) * kInvPi};
 }
 
 Vec3 offset_origin(const Vec3& p, const Vec3& normal) {

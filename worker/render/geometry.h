@@ -24,6 +24,9 @@ enum class RayKind : std::uint8_t { camera, scattered, shadow };
 inline constexpr std::uint8_t bit(RayKind k) { return static_cast<std::uint8_t>(1 << static_cast<int>(k)); }
 inline constexpr std::uint8_t kSeenByAll = 7;
 
+// Bits of RayKind; those of no object: all.
+std::uint8_t seen_by(const Scene& scene, int object);
+
 // A mesh in the world, or shapes of one kind that the same rays see.
 struct Piece {
   enum class Kind : std::uint8_t { mesh, spheres, quads, disks };
@@ -41,7 +44,7 @@ struct Surface {
   Vec3 position;
   Vec3 ng;  // unit geometric normal, on the front
   Vec3 ns;  // unit interpolated normal
-  Vec2 uv{0, 0};
+  Vec2 uv{0, 0}, uv2{0, 0};
   int material = 0;
   int light = -1;               // index into Lights, if the surface emits
   float area = 0;               // of a triangle that emits
@@ -68,6 +71,11 @@ class Geometry {
     return scene_->meshes[static_cast<std::size_t>(scene_->instances[piece].mesh)];
   }
 
+  // Null: what is hit is no mesh.
+  const Mesh* mesh_at(const Hit& hit) const {
+    return pieces[hit.piece].kind == Piece::Kind::mesh ? &mesh(hit.piece) : nullptr;
+  }
+
   // What a ray from `origin` hits. Precondition: the hit is one of `distance` along `direction` at `time`.
   Surface surface(const Hit& hit, const Vec3& origin, const Vec3& direction, float distance,
                   float time = 0) const;
@@ -87,11 +95,14 @@ class Geometry {
 
   // Texture coordinates of a hit; (0, 0) if the mesh has none. Of spheres and disks: the hit's u and v.
   Vec2 uv(const Hit& hit) const;
+  // The same of the second set; of the first if the mesh has no second.
+  Vec2 uv2(const Hit& hit) const;
   // Of a point on a sphere or disk.
   Vec2 shape_uv(const Hit& hit, const Vec3& point) const;
-  // The direction in which the texture's u grows, and the one in which its v falls; not orthogonal, not unit.
-  // False where the surface has no usable texture coordinates.
-  bool tangents(const Hit& hit, Vec3& along_u, Vec3& up, float time = 0) const;
+  // The direction in which a texture's u grows on the surface, and the one in which its v falls, its set and
+  // its transform heeded; not orthogonal, not unit. False where the surface has no usable texture
+  // coordinates.
+  bool tangents(const Hit& hit, const Texture& texture, Vec3& along_u, Vec3& up, float time = 0) const;
 
   std::vector<Piece> pieces;
   std::vector<std::vector<std::uint32_t>> members;  // of each piece of shapes: indices into the scene's list

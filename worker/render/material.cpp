@@ -54,7 +54,7 @@ bool Materials::solid(int material, const Vec2& uv) const {
 Vec3 Materials::mapped_normal(const Material& m, const Geometry& geometry, const Hit& hit,
                               const Surface& s) const {
   Vec3 along_u, up;
-  if (!geometry.tangents(hit, along_u, up)) return s.ns;
+  if (!geometry.tangents(hit, m.normal_texture, along_u, up, s.time)) return s.ns;
   const Texel t = lookup(*scene_, m.normal_texture, s.uv);
   const Vec3 raw = along_u - s.ns * dot(along_u, s.ns);
   if (!(dot(raw, raw) > 0)) return s.ns;

@@ -149,8 +149,8 @@ void Lights::add_shapes(std::vector<LightBounds>& bounds) {
       if (!materials_->emits(shapes[i].material)) continue;
       surfaces_emit_ = true;
       lights[i] = static_cast<int>(near_.size());
-      const int o = shapes[i].object;
-      near_.push_back({kind, o < 0 || scene_->objects[static_cast<std::size_t>(o)].scattered, i});
+      const bool found = seen_by(*scene_, shapes[i].object) & bit(RayKind::scattered);
+      near_.push_back({kind, found, i});
       LightBounds b = measured(shapes[i]);
       b.two_sided = materials_->double_sided(shapes[i].material);
       b.intensity = usable(b.intensity * luminance(materials_->mean_emission(shapes[i].material)));
