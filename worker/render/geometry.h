@@ -81,7 +81,7 @@ class Geometry {
                   float time = 0) const;
   int material(const Hit& hit) const;
   int object(const Hit& hit) const;  // index into Scene::objects or -1
-  // Of the shape: index into Scene::spheres, quads or disks.
+  // Of a shape: index into Scene::spheres, quads or disks.
   std::uint32_t shape(const Hit& hit) const { return members[pieces[hit.piece].shapes][hit.primitive]; }
 
   Triangle triangle(std::uint32_t piece, std::uint32_t primitive, float time = 0) const;

@@ -31,7 +31,7 @@ void Geometry::add_shapes() {
     std::array<std::vector<std::uint32_t>, kSeenByAll + 1> groups;
     for (std::size_t i = 0; i < shapes.size(); ++i)
       groups[seen_by(*scene_, shapes[i].object)].push_back(static_cast<std::uint32_t>(i));
-    for (std::size_t bits = 1; bits < groups.size(); ++bits) {  // what nobody sees is not there
+    for (std::size_t bits = 0; bits < groups.size(); ++bits) {  // what nobody sees may still be a light
       if (groups[bits].empty()) continue;
       pieces.push_back({.kind = kind,
                         .seen_by = static_cast<std::uint8_t>(bits),

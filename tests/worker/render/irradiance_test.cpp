@@ -248,6 +248,19 @@ TEST(Irradiance, ALightThatTheCameraDoesNotSeeLightsAllTheSame) {
   expect_all(scene, {0, 1, 0}, polygon(kRectangle, {0, 1, 0}), "not seen by the camera");
 }
 
+TEST(Irradiance, ALightThatNobodySeesLightsAllTheSame) {
+  Scene scene = with_lamp();
+  scene.objects = {{.camera = false, .scattered = false, .shadow = false}};
+  scene.quads.push_back({{-3, 3, -1}, {0.5f, 0, 0}, {0, 0, 0.5f}});
+  scene.quads.push_back(kRectangle);
+  scene.quads[0].object = scene.quads[1].object = 0;
+  scene.disks.push_back({kAt + Vec3(0, 4, 0), {0, -1, 0}, 0.5f, 0, 0});  // above the rectangle
+  expect_sampled(
+      scene, {0, 1, 0},
+      polygon(kRectangle, {0, 1, 0}) + polygon(scene.quads[0], {0, 1, 0}) + 2 * kPi * disk_factor(0.5, 4, 0),
+      "not seen at all");
+}
+
 TEST(Irradiance, ALightThatScatteredRaysDoNotSeeIsSampledWithoutAWeight) {
   Scene scene = with_lamp();
   scene.objects = {{.scattered = false}, {}};

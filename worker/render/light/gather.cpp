@@ -31,6 +31,24 @@ LightBounds at_point(const Vec3& p, float intensity) {
   return {.low = p, .high = p, .intensity = usable(intensity)};
 }
 
+// Of a radiance of 1.
+LightBounds of_shape(const Sphere& s) {
+  const Vec3 r(s.radius, s.radius, s.radius);
+  return {.low = s.center - r, .high = s.center + r, .intensity = kPi * square(s.radius)};
+}
+LightBounds of_shape(const Quad& q) {
+  const Vec3 normal = cross(q.edge_u, q.edge_v);
+  LightBounds b{.low = q.corner, .high = q.corner, .intensity = length(normal)};
+  if (b.intensity > 0) b.facing = {normal * (1.0f / b.intensity), 1};
+  for (const Vec3& edge : {q.edge_u, q.edge_v, q.edge_u + q.edge_v}) grow(b, q.corner + edge);
+  return b;
+}
+LightBounds of_shape(const Disk& d) {
+  const Vec3 n = unit(d.normal);
+  const Vec3 r = Vec3(sine_of(n.x), sine_of(n.y), sine_of(n.z)) * d.radius;
+  return {.low = d.center - r, .high = d.center + r, .facing = {n, 1}, .intensity = kPi * square(d.radius)};
+}
+
 }  // namespace
 
 Lights::Lights(const Scene& scene, Geometry& geometry, const Materials& materials, float radius,
@@ -144,36 +162,27 @@ void Lights::add_mesh(std::uint32_t piece, std::vector<LightBounds>& bounds) {
 }
 
 void Lights::add_shapes(std::vector<LightBounds>& bounds) {
-  const auto add = [&](Kind kind, const auto& shapes, std::vector<int>& lights, const auto& measured) {
-    for (std::uint32_t i = 0; i < shapes.size(); ++i) {
-      if (!materials_->emits(shapes[i].material)) continue;
+  const auto add = [&](Kind kind, std::uint32_t piece, const auto& shapes, std::vector<int>& lights) {
+    const bool found = geometry_->pieces[piece].seen_by & bit(RayKind::scattered);
+    const std::vector<std::uint32_t>& members = geometry_->members[geometry_->pieces[piece].shapes];
+    for (std::uint32_t i = 0; i < members.size(); ++i) {
+      const auto& shape = shapes[members[i]];
+      if (!materials_->emits(shape.material)) continue;
       surfaces_emit_ = true;
-      lights[i] = static_cast<int>(near_.size());
-      const bool found = seen_by(*scene_, shapes[i].object) & bit(RayKind::scattered);
-      near_.push_back({kind, found, i});
-      LightBounds b = measured(shapes[i]);
-      b.two_sided = materials_->double_sided(shapes[i].material);
-      b.intensity = usable(b.intensity * luminance(materials_->mean_emission(shapes[i].material)));
+      lights[members[i]] = static_cast<int>(near_.size());
+      near_.push_back({kind, found, piece, i});
+      LightBounds b = of_shape(shape);
+      b.two_sided = materials_->double_sided(shape.material);
+      b.intensity = usable(b.intensity * luminance(materials_->mean_emission(shape.material)));
       bounds.push_back(b);
     }
   };
-  add(Kind::sphere, scene_->spheres, geometry_->sphere_lights, [](const Sphere& s) {
-    const Vec3 r(s.radius, s.radius, s.radius);
-    return LightBounds{.low = s.center - r, .high = s.center + r, .intensity = kPi * square(s.radius)};
-  });
-  add(Kind::quad, scene_->quads, geometry_->quad_lights, [](const Quad& q) {
-    const Vec3 normal = cross(q.edge_u, q.edge_v);
-    LightBounds b{.low = q.corner, .high = q.corner, .intensity = length(normal)};
-    if (b.intensity > 0) b.facing = {normal * (1.0f / b.intensity), 1};
-    for (const Vec3& edge : {q.edge_u, q.edge_v, q.edge_u + q.edge_v}) grow(b, q.corner + edge);
-    return b;
-  });
-  add(Kind::disk, scene_->disks, geometry_->disk_lights, [](const Disk& d) {
-    const Vec3 n = unit(d.normal);
-    const Vec3 r(d.radius * sine_of(n.x), d.radius * sine_of(n.y), d.radius * sine_of(n.z));
-    return LightBounds{
-        .low = d.center - r, .high = d.center + r, .facing = {n, 1}, .intensity = kPi * square(d.radius)};
-  });
+  for (auto i = static_cast<std::uint32_t>(geometry_->meshes()); i < geometry_->pieces.size(); ++i) {
+    const Piece::Kind kind = geometry_->pieces[i].kind;
+    if (kind == Piece::Kind::spheres) add(Kind::sphere, i, scene_->spheres, geometry_->sphere_lights);
+    if (kind == Piece::Kind::quads) add(Kind::quad, i, scene_->quads, geometry_->quad_lights);
+    if (kind == Piece::Kind::disks) add(Kind::disk, i, scene_->disks, geometry_->disk_lights);
+  }
 }
 
 void Lights::add_far(float radius) {

@@ -47,35 +47,6 @@ float Lights::probability(const Vec3& p, const Vec3& n, std::uint32_t near) cons
          (near_picks_.size() > 0 ? near_picks_.probability(near) : tree_.probability(p, n, near));
 }
 
-int Lights::object(const Light& light) const {
-  switch (light.kind) {
-    case Kind::triangle:
-    case Kind::mesh:
-      return scene_->instances[light.index].object;
-    case Kind::sphere:
-      return scene_->spheres[light.index].object;
-    case Kind::quad:
-      return scene_->quads[light.index].object;
-    case Kind::disk:
-      return scene_->disks[light.index].object;
-    default:
-      return -1;
-  }
-}
-
-int Lights::material(const Light& light) const {
-  switch (light.kind) {
-    case Kind::sphere:
-      return scene_->spheres[light.index].material;
-    case Kind::quad:
-      return scene_->quads[light.index].material;
-    case Kind::disk:
-      return scene_->disks[light.index].material;
-    default:
-      return geometry_->mesh(light.index).material;
-  }
-}
-
 const LightTraits& Lights::traits(const Light& light) const {
   static const LightTraits plain;
   switch (light.kind) {
@@ -88,7 +59,7 @@ const LightTraits& Lights::traits(const Light& light) const {
     case Kind::environment:
       return scene_->environment.light;
     default: {
-      const int o = object(light);
+      const int o = geometry_->object({light.index, light.part, 0, 0});
       return o < 0 ? plain : scene_->objects[static_cast<std::size_t>(o)].light;
     }
   }
@@ -142,40 +113,51 @@ LightSample Lights::sample_environment(const Vec2& u) const {
 
 LightSample Lights::sample_surface(const Vec3& p, const Light& light, float share, const Vec2& u,
                                    float time) const {
-  const bool of_mesh = light.kind == Kind::triangle || light.kind == Kind::mesh;
-  std::uint32_t primitive = light.part;
+  Hit hit{light.index, light.part, 0, 0};
   float chance = 1;
   if (light.kind == Kind::mesh) {
     const Distribution& triangles = tables_[light.part].triangles;
-    primitive = static_cast<std::uint32_t>(triangles.pick(share).index);
-    chance = triangles.probability(primitive);
+    hit.primitive = static_cast<std::uint32_t>(triangles.pick(share).index);
+    chance = triangles.probability(hit.primitive);
   }
-  const MaybePoint point = of_mesh ? sample_triangle(geometry_->triangle(light.index, primitive, time), p, u)
-                           : light.kind == Kind::sphere ? sample_sphere(scene_->spheres[light.index], p, u)
-                           : light.kind == Kind::quad   ? sample_quad(scene_->quads[light.index], p, u)
-                                                        : sample_disk(scene_->disks[light.index], p, u);
-  const int m = material(light);
-  if (!point || (point->cosine < 0 && !materials_->double_sided(m))) return {};
-  const Vec2 uv = of_mesh ? geometry_->uv({light.index, primitive, point->uv.x, point->uv.y}) : point->uv;
-  const Vec3 side = point->cosine < 0 ? -point->normal : point->normal;
+  const MaybePoint point = draw(light.kind, hit, p, u, time);
+  const int material = geometry_->material(hit);
+  if (!point || (point->cosine < 0 && !materials_->double_sided(material))) return {};
+  hit.u = point->uv.x;
+  hit.v = point->uv.y;
+  const Vec2 uv = geometry_->uv(hit);
   return {point->direction,
-          offset_origin(point->position, side),
+          offset_origin(point->position, point->cosine < 0 ? -point->normal : point->normal),
           false,
           !light.found,
-          materials_->solid(m, uv) ? materials_->emission(m, uv) : Color(0, 0, 0),
+          materials_->solid(material, uv) ? materials_->emission(material, uv) : Color(0, 0, 0),
           point->pdf * chance};
+}
+
+MaybePoint Lights::draw(Kind kind, const Hit& hit, const Vec3& p, const Vec2& u, float time) const {
+  switch (kind) {
+    case Kind::sphere:
+      return sample_sphere(scene_->spheres[geometry_->shape(hit)], p, u);
+    case Kind::quad:
+      return sample_quad(scene_->quads[geometry_->shape(hit)], p, u);
+    case Kind::disk:
+      return sample_disk(scene_->disks[geometry_->shape(hit)], p, u);
+    default:
+      return sample_triangle(geometry_->triangle(hit.piece, hit.primitive, time), p, u);
+  }
 }
 
 // The density of sample_surface() for a hit, the pick of the light left out.
 float Lights::surface_pdf(const Light& light, const Vec3& p, float distance2, float cosine,
                           const Surface& s) const {
+  const Hit hit{light.index, light.part, 0, 0};
   switch (light.kind) {
     case Kind::sphere:
-      return sphere_pdf(scene_->spheres[light.index], p, distance2, cosine);
+      return sphere_pdf(scene_->spheres[geometry_->shape(hit)], p, distance2, cosine);
     case Kind::quad:
-      return quad_pdf(scene_->quads[light.index], p, distance2, cosine);
+      return quad_pdf(scene_->quads[geometry_->shape(hit)], p, distance2, cosine);
     case Kind::disk:
-      return disk_pdf(scene_->disks[light.index], distance2, cosine);
+      return disk_pdf(scene_->disks[geometry_->shape(hit)], distance2, cosine);
     case Kind::mesh:
       return area_pdf(distance2, cosine, s.area) * tables_[light.part].triangles.probability(s.primitive);
     default:

@@ -84,8 +84,8 @@ class Lights {
   struct Light {
     Kind kind;
     bool found;              // scattered rays may hit it
-    std::uint32_t index;     // in the scene's list of its kind; of triangles and meshes: the piece
-    std::uint32_t part = 0;  // of a triangle: which of the mesh; of a mesh: index into tables_
+    std::uint32_t index;     // in the scene's list of its kind; of a surface: the piece
+    std::uint32_t part = 0;  // of a surface: triangle or member of the piece; of a mesh: index into tables_
   };
   // An emitting mesh with too many triangles to be lights of their own, in its own space.
   struct Table {
@@ -122,6 +122,7 @@ class Lights {
   float probability(const Vec3& p, const Vec3& n, std::uint32_t near) const;
   LightSample sample_at(const Vec3& p, const Light&, float share, const Vec2& u, float time) const;
   LightSample sample_surface(const Vec3& p, const Light&, float share, const Vec2& u, float time) const;
+  MaybePoint draw(Kind, const Hit& hit, const Vec3& p, const Vec2& u, float time) const;
   LightSample sample_sun(const Light&, const Vec2& u) const;
   LightSample sample_environment(const Vec2& u) const;
   LightSample towards(const Vec3& p, const Vec3& at, const Color& intensity) const;
@@ -129,8 +130,6 @@ class Lights {
   Emitted from_environment(const Vertex&, const Vec3& direction) const;
   Emitted from_sun(const Sun&, const Vertex&) const;
   static bool covers(const Sun&, const Vec3& direction);
-  int object(const Light&) const;
-  int material(const Light&) const;
   const LightTraits& traits(const Light&) const;
 
   const Scene* scene_;
