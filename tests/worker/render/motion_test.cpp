@@ -121,6 +121,36 @@ TEST(Motion, TheSameSceneBuiltAgainGivesTheSameHits) {
   EXPECT_GT(hits, 1000);
 }
 
+TEST(Motion, RaysSideBySideAreEachOfTheirOwnTime) {
+  Scene scene = moving_square({{0, 1}, {Matrix(), turned_about_y(1) * Matrix().translate(Vec3(2, 0, 0))}});
+  scene.objects.push_back({.camera = false});
+  scene.quads.push_back({{-1, -1, 1}, {1.5f, 0, 0}, {0, 2, 0}, 0, 1});
+  const RenderScene both = ready(scene, {0, 1});
+  Random random(9);
+  int hits = 0;
+  for (int i = 0; i < 200; ++i) {
+    Packet coherent;
+    std::array<RayTraits, kLanes> traits;
+    std::array<Vec3, kLanes> from;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const auto l = static_cast<std::size_t>(lane);
+      traits[l] = {random.number(), lane % 3 == 0 ? RayKind::scattered : RayKind::camera};
+      from[l] = Vec3(2 * random.number() - 0.5f, random.number() - 0.5f, 4);
+      coherent.set(lane, from[l], {0, 0, -1}, kEndless, traits[l]);
+    }
+    both.bvh().intersect_coherent(coherent);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const auto alone = look(both, from[std::size_t(lane)], {0, 0, -1}, traits[std::size_t(lane)]);
+      ASSERT_EQ(coherent.hit(lane), alone.has_value());
+      if (!alone) continue;
+      ++hits;
+      ASSERT_EQ(coherent.at(lane).piece, alone->hit.piece);
+      ASSERT_NEAR(coherent.distance(lane), alone->distance, 1e-5f);
+    }
+  }
+  EXPECT_GT(hits, 1000);
+}
+
 TEST(Motion, AClosedShutterShowsTheMomentItOpens) {
   const Track track{{0, 1}, {Matrix(), Matrix().translate(Vec3(4, 0, 0))}};
   const RenderScene scene = ready(moving_square(track), {0.5, 0.5});
