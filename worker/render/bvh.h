@@ -39,9 +39,9 @@ struct alignas(64) ShadowPacket {
   bool occluded(int lane) const { return r.tfar[lane] < 0; }
 };
 
-// True if the surface is there at this hit (alpha masks have holes). Pure: it is asked in any order, any
-// number of times.
-using Solid = std::function<bool(const Hit&)>;
+// True if the surface is there at this hit for a ray of this seed (alpha masks have holes). Pure: it is asked
+// in any order, any number of times. The hit's u and v are the texture coordinates if it is on a shape.
+using Solid = std::function<bool(const Hit&, std::uint32_t seed)>;
 
 class Bvh {
  public:
@@ -78,7 +78,7 @@ inline void Packet::set(int lane, const Vec3& origin, const Vec3& direction, flo
   r.ray.dir_z[lane] = direction.z;
   r.ray.time[lane] = traits.time;
   r.ray.tfar[lane] = far;
-  r.ray.mask[lane] = ~0u;
+  r.ray.mask[lane] = bit(traits.kind);
   r.ray.id[lane] = traits.seed;
   r.ray.flags[lane] = 0;
   r.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
@@ -103,7 +103,7 @@ inline void ShadowPacket::set(int lane, const Vec3& origin, const Vec3& directio
   r.dir_z[lane] = direction.z;
   r.time[lane] = traits.time;
   r.tfar[lane] = far;
-  r.mask[lane] = ~0u;
+  r.mask[lane] = bit(traits.kind);
   r.id[lane] = traits.seed;
   r.flags[lane] = 0;
   active[lane] = -1;

@@ -20,10 +20,25 @@ inline float uv_per_metre(const Sphere& s) { return uv_per_metre(1, 4 * kPi * sq
 
 inline float uv_per_metre(const Quad& q) { return uv_per_metre(1, length(cross(q.edge_u, q.edge_v))); }
 
-// Of the triangle or sphere that was hit; 0 if it has no texture coordinates.
+// A disk shows the square around it.
+inline float uv_per_metre(const Disk& d) { return uv_per_metre(1, 4 * square(d.radius)); }
+
+inline float shape_uv_per_metre(const Geometry& geometry, const Hit& hit) {
+  const Scene& scene = geometry.scene();
+  switch (geometry.pieces[hit.piece].kind) {
+    case Piece::Kind::spheres:
+      return uv_per_metre(scene.spheres[geometry.shape(hit)]);
+    case Piece::Kind::quads:
+      return uv_per_metre(scene.quads[geometry.shape(hit)]);
+    default:
+      return uv_per_metre(scene.disks[geometry.shape(hit)]);
+  }
+}
+
+// Of what was hit; 0 if it has no texture coordinates.
 inline float uv_per_metre(const Geometry& geometry, const Hit& hit) {
-  const Mesh* mesh = geometry.pieces[hit.piece].mesh;
-  if (!mesh) return uv_per_metre(geometry.scene().spheres[hit.primitive]);
+  const Mesh* mesh = geometry.mesh_at(hit);
+  if (!mesh) return shape_uv_per_metre(geometry, hit);
   if (mesh->uvs.empty()) return 0;
   const auto& corner = mesh->triangles[hit.primitive];
   const Vec2 a = mesh->uvs[corner[1]] - mesh->uvs[corner[0]], b = mesh->uvs[corner[2]] - mesh->uvs[corner[0]];

@@ -3,14 +3,10 @@
 
 #include <bit>
 
+#include "worker/render/motion.h"
+
 namespace tessera::tracer {
 namespace {
-
-Vec3 moved(const Vec3& p, const Matrix& m) {
-  return {p.x * m[0][0] + p.y * m[1][0] + p.z * m[2][0] + m[3][0],
-          p.x * m[0][1] + p.y * m[1][1] + p.z * m[2][1] + m[3][1],
-          p.x * m[0][2] + p.y * m[1][2] + p.z * m[2][2] + m[3][2]};
-}
 
 Vec3 turned(const Vec3& v, const Matrix& m) {
   return {v.x * m[0][0] + v.y * m[1][0] + v.z * m[2][0], v.x * m[0][1] + v.y * m[1][1] + v.z * m[2][1],
@@ -20,13 +16,6 @@ Vec3 turned(const Vec3& v, const Matrix& m) {
 template <typename T>
 T blend(const T& a, const T& b, const T& c, float u, float v) {
   return a * (1.0f - u - v) + b * u + c * v;
-}
-
-// Unit, or `otherwise` where v has no direction.
-Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
-  const float largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-  if (!(largest > 0)) return otherwise;
-  return unit(v * (1.0f / largest));  // tiny triangles have normals whose square underflows
 }
 
 // The matrix that carries normals: the cofactors of m's linear part, which unlike the inverse transpose exist
@@ -44,103 +33,157 @@ Matrix normal_matrix(const Matrix& m) {
   return n;
 }
 
-}  // namespace
-
-Geometry::Geometry(const Scene& scene) : sphere_lights(scene.spheres.size(), -1), scene_(&scene) {
-  for (const Instance& i : scene.instances)
-    pieces.push_back({&scene.meshes[static_cast<std::size_t>(i.mesh)], i.to_world, normal_matrix(i.to_world),
-                      i.to_world != Matrix(), -1});
-  pieces.push_back({});
-}
-
-Triangle Geometry::triangle(std::uint32_t piece, std::uint32_t primitive) const {
-  const Piece& from = pieces[piece];
-  const auto& corner = from.mesh->triangles[primitive];
+Triangle own_triangle(const Mesh& mesh, std::uint32_t primitive) {
+  const auto& corner = mesh.triangles[primitive];
   Triangle t;
-  for (std::size_t i = 0; i < 3; ++i) t.p[i] = from.mesh->positions[corner[i]];
+  for (std::size_t i = 0; i < 3; ++i) t.p[i] = mesh.positions[corner[i]];
   t.normal = cross(t.p[1] - t.p[0], t.p[2] - t.p[0]);
-  if (from.placed) {
-    for (Vec3& p : t.p) p = moved(p, from.to_world);
-    t.normal = turned(t.normal, from.normal_to_world);
-  }
   return t;
 }
 
-Vec3 Geometry::to_world(std::uint32_t piece, const Vec3& point) const {
-  return pieces[piece].placed ? moved(point, pieces[piece].to_world) : point;
-}
-
-Vec2 Geometry::uv(const Hit& hit) const {
-  const Piece& piece = pieces[hit.piece];
-  if (!piece.mesh || piece.mesh->uvs.empty()) return {0, 0};
-  const auto& corner = piece.mesh->triangles[hit.primitive];
-  const auto& uvs = piece.mesh->uvs;
+// (0, 0) if there are none.
+Vec2 uv_in(const Mesh& mesh, const std::vector<Vec2>& uvs, const Hit& hit) {
+  if (uvs.empty()) return {0, 0};
+  const auto& corner = mesh.triangles[hit.primitive];
   return blend(uvs[corner[0]], uvs[corner[1]], uvs[corner[2]], hit.u, hit.v);
 }
 
-Vec2 Geometry::uv2(const Hit& hit) const {
-  const Piece& piece = pieces[hit.piece];
-  if (!piece.mesh || piece.mesh->uvs2.empty()) return uv(hit);
-  const auto& corner = piece.mesh->triangles[hit.primitive];
-  const auto& uvs = piece.mesh->uvs2;
-  return blend(uvs[corner[0]], uvs[corner[1]], uvs[corner[2]], hit.u, hit.v);
-}
-
-bool Geometry::tangents(const Hit& hit, const Texture& texture, Vec3& along_u, Vec3& up) const {
-  const Piece& piece = pieces[hit.piece];
-  if (!piece.mesh) return false;
-  const auto& corner = piece.mesh->triangles[hit.primitive];
-  const auto& uvs = texture.uv_set == 0 || piece.mesh->uvs2.empty() ? piece.mesh->uvs : piece.mesh->uvs2;
-  if (uvs.empty()) return false;
-  const auto turned_uv = [&](const Vec2& d) {
-    const auto& t = texture.transform;
-    return Vec2(t[0] * d.x + t[1] * d.y, t[3] * d.x + t[4] * d.y);
-  };
-  const Vec2 a = turned_uv(uvs[corner[1]] - uvs[corner[0]]), b = turned_uv(uvs[corner[2]] - uvs[corner[0]]);
+// Edges of a surface as differences of texture coordinates, to the directions of the coordinates.
+bool solve_tangents(const Vec3& e1, const Vec3& e2, const Vec2& a, const Vec2& b, Vec3& along_u, Vec3& up) {
   const float area = a.x * b.y - a.y * b.x;
   if (!(std::abs(area) > 0)) return false;
-  const Triangle t = triangle(hit.piece, hit.primitive);
-  const Vec3 e1 = t.p[1] - t.p[0], e2 = t.p[2] - t.p[0];
   const float sign = area < 0 ? -1.0f : 1.0f;
   along_u = (e1 * b.y - e2 * a.y) * sign;
   up = (e1 * b.x - e2 * a.x) * sign;
   return dot(along_u, along_u) > 0 && dot(up, up) > 0;
 }
 
-Surface Geometry::sphere_surface(const Hit& hit, const Vec3& point) const {
-  const Sphere& sphere = scene_->spheres[hit.primitive];
-  Surface s;
-  s.ng = s.ns = unit_or(point - sphere.center, {0, 0, 1});
-  s.position = sphere.center + s.ng * sphere.radius;
-  s.uv = s.uv2 = sphere_uv(s.ng);
-  s.material = sphere.material;
-  s.light = sphere_lights[hit.primitive];
-  return s;
+void place(Triangle& t, const Matrix& m, const Matrix& normals) {
+  for (Vec3& p : t.p) p = moved(p, m);
+  t.normal = turned(t.normal, normals);
 }
 
-Surface Geometry::surface(const Hit& hit, const Vec3& origin, const Vec3& direction, float distance, float) const {
+}  // namespace
+
+Geometry::Geometry(const Scene& scene, Shutter shutter)
+    : sphere_lights(scene.spheres.size(), -1),
+      quad_lights(scene.quads.size(), -1),
+      disk_lights(scene.disks.size(), -1),
+      scene_(&scene) {
+  for (const Track& t : scene.tracks) {
+    Movement movement(t);
+    std::vector<Matrix> steps = motion_steps(movement, shutter);
+    motions_.push_back({std::move(movement), std::move(steps)});
+  }
+  pieces.reserve(scene.instances.size());
+  for (const Instance& i : scene.instances) {
+    Piece piece{.seen_by = seen_by(scene, i.object)};
+    if (i.object >= 0) piece.track = scene.objects[static_cast<std::size_t>(i.object)].track;
+    piece.placed = piece.track >= 0 || i.to_world != Matrix();
+    pieces.push_back(piece);
+  }
+  add_shapes();
+}
+
+Triangle Geometry::triangle(std::uint32_t piece, std::uint32_t primitive, float time) const {
+  Triangle t = own_triangle(mesh(piece), primitive);
+  if (pieces[piece].placed) {
+    const Matrix m = to_world(piece, time);
+    place(t, m, normal_matrix(m));
+  }
+  return t;
+}
+
+Matrix Geometry::to_world(std::uint32_t piece, float time) const {
+  const Matrix& rest = scene_->instances[piece].to_world;
+  if (pieces[piece].track < 0) return rest;
+  const std::vector<Matrix>& steps = motions_[static_cast<std::size_t>(pieces[piece].track)].steps;
+  if (steps.size() == 1) return rest * steps[0];
+  const float at = std::clamp(time, 0.0f, 1.0f) * static_cast<float>(steps.size() - 1);
+  const std::size_t i = std::min(static_cast<std::size_t>(at), steps.size() - 2);
+  const float share = at - static_cast<float>(i);
+  return rest * (steps[i] * (1.0f - share) + steps[i + 1] * share);
+}
+
+Matrix Geometry::to_world_at(std::uint32_t piece, double seconds) const {
+  const Matrix& rest = scene_->instances[piece].to_world;
+  const int track = pieces[piece].track;
+  return track < 0 ? rest : rest * motions_[static_cast<std::size_t>(track)].movement.at(seconds);
+}
+
+std::size_t Geometry::steps(std::uint32_t piece) const {
+  const int track = pieces[piece].track;
+  return track < 0 ? 1 : motions_[static_cast<std::size_t>(track)].steps.size();
+}
+
+Matrix Geometry::step(std::uint32_t piece, std::size_t i) const {
+  const Matrix& rest = scene_->instances[piece].to_world;
+  const int track = pieces[piece].track;
+  return track < 0 ? rest : rest * motions_[static_cast<std::size_t>(track)].steps[i];
+}
+
+Vec2 Geometry::uv(const Hit& hit) const {
+  const Mesh* of = mesh_at(hit);
+  return of ? uv_in(*of, of->uvs, hit) : Vec2(hit.u, hit.v);
+}
+
+Vec2 Geometry::uv2(const Hit& hit) const {
+  const Mesh* of = mesh_at(hit);
+  return of && !of->uvs2.empty() ? uv_in(*of, of->uvs2, hit) : uv(hit);
+}
+
+bool Geometry::tangents(const Hit& hit, const Texture& texture, Vec3& along_u, Vec3& up, float time) const {
+  const auto turned_uv = [&](const Vec2& d) {
+    const auto& t = texture.transform;
+    return Vec2(t[0] * d.x + t[1] * d.y, t[3] * d.x + t[4] * d.y);
+  };
+  if (pieces[hit.piece].kind == Piece::Kind::quads) {
+    const Quad& q = scene_->quads[shape(hit)];
+    return solve_tangents(q.edge_u, q.edge_v, turned_uv({1, 0}), turned_uv({0, 1}), along_u, up);
+  }
+  const Mesh* of = mesh_at(hit);
+  if (!of) return false;
+  const auto& uvs = texture.uv_set == 0 || of->uvs2.empty() ? of->uvs : of->uvs2;
+  if (uvs.empty()) return false;
+  const auto& corner = of->triangles[hit.primitive];
+  const Triangle t = triangle(hit.piece, hit.primitive, time);
+  return solve_tangents(t.p[1] - t.p[0], t.p[2] - t.p[0], turned_uv(uvs[corner[1]] - uvs[corner[0]]),
+                        turned_uv(uvs[corner[2]] - uvs[corner[0]]), along_u, up);
+}
+
+Surface Geometry::surface(const Hit& hit, const Vec3& origin, const Vec3& direction, float distance,
+                          float time) const {
   const Piece& piece = pieces[hit.piece];
-  if (!piece.mesh) return sphere_surface(hit, origin + direction * distance);
-  const Triangle t = triangle(hit.piece, hit.primitive);
+  if (piece.kind == Piece::Kind::spheres) return sphere_surface(hit, origin + direction * distance);
+  if (piece.kind == Piece::Kind::quads) return quad_surface(hit);
+  if (piece.kind == Piece::Kind::disks) return disk_surface(hit, origin + direction * distance);
+  const Mesh& of = mesh(hit.piece);
+  Triangle t = own_triangle(of, hit.primitive);
+  Matrix normals;
+  if (piece.placed) {
+    const Matrix m = to_world(hit.piece, time);
+    normals = normal_matrix(m);
+    place(t, m, normals);
+  }
   Surface s;
   // From the corners, not along the ray: exact to the last bits however far the ray came.
   s.position = blend(t.p[0], t.p[1], t.p[2], hit.u, hit.v);
   s.ng = s.ns = unit_or(t.normal, -direction);
-  s.material = piece.mesh->material;
-  s.light = piece.light;
-  if (!piece.mesh->normals.empty()) {
-    const auto& corner = piece.mesh->triangles[hit.primitive];
-    const auto& normals = piece.mesh->normals;
-    const Vec3 n = blend(normals[corner[0]], normals[corner[1]], normals[corner[2]], hit.u, hit.v);
-    s.ns = unit_or(piece.placed ? turned(n, piece.normal_to_world) : n, s.ng);
+  s.material = of.material;
+  s.time = time;
+  if (piece.light >= 0) {
+    s.light = piece.light + piece.light_step * static_cast<int>(hit.primitive);
+    s.area = 0.5f * length(t.normal);
+    s.primitive = hit.primitive;
   }
-  if (!piece.mesh->uvs.empty()) s.uv = s.uv2 = uv(hit);
-  if (!piece.mesh->uvs2.empty()) s.uv2 = uv2(hit);
+  if (!of.normals.empty()) {
+    const auto& corner = of.triangles[hit.primitive];
+    const Vec3 n = blend(of.normals[corner[0]], of.normals[corner[1]], of.normals[corner[2]], hit.u, hit.v);
+    s.ns = unit_or(piece.placed ? turned(n, normals) : n, s.ng);
+  }
+  if (!of.uvs.empty()) s.uv = s.uv2 = uv(hit);
+  if (!of.uvs2.empty()) s.uv2 = uv2(hit);
   return s;
-}
-
-Vec2 sphere_uv(const Vec3& n) {
-  return {0.5f + std::atan2(n.x, -n.z) * (0.5f * kInvPi), std::acos(std::clamp(n.y, -1.0f, 1.0f)) * kInvPi};
 }
 
 Vec3 offset_origin(const Vec3& p, const Vec3& normal) {

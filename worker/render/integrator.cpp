@@ -326,6 +326,7 @@ void Integrator::find_surfaces() {
     path.width += path.spread * rays_.distance(lane);
     path.surface =
         scene_.geometry().surface(path.hit, path.origin, path.direction, rays_.distance(lane), path.ray.time);
+    path.surface.cone = path.width;
   }
 }
 

@@ -24,7 +24,7 @@ Vec3 bent(const Vec3& ns, const Vec3& ng, const Vec3& wo) {
 
 // Vertex colour and alpha; white if the mesh has none.
 Texel vertex_color(const Geometry& geometry, const Hit& hit) {
-  const Mesh* mesh = geometry.pieces[hit.piece].mesh;
+  const Mesh* mesh = geometry.mesh_at(hit);
   if (!mesh || mesh->colors.empty()) return {1, 1, 1, 1};
   const auto& corner = mesh->triangles[hit.primitive];
   const auto &a = mesh->colors[corner[0]], &b = mesh->colors[corner[1]], &c = mesh->colors[corner[2]];
@@ -33,7 +33,7 @@ Texel vertex_color(const Geometry& geometry, const Hit& hit) {
   return mixed;
 }
 bool has_vertex_color(const Geometry& geometry, const Hit& hit) {
-  const Mesh* mesh = geometry.pieces[hit.piece].mesh;
+  const Mesh* mesh = geometry.mesh_at(hit);
   return mesh && !mesh->colors.empty();
 }
 
@@ -163,7 +163,7 @@ MaterialPoint Materials::at_point(const Material& m, const View& view) const {
 Vec3 Materials::mapped_normal(const Texture& texture, float scale, const View& view) const {
   const Vec3& ns = view.surface.ns;
   Vec3 along_u, up;
-  if (!texture || !view.geometry.tangents(view.hit, texture, along_u, up)) return ns;
+  if (!texture || !view.geometry.tangents(view.hit, texture, along_u, up, view.surface.time)) return ns;
   const Texel t = texel(texture, view.at);
   const Vec3 raw = along_u - ns * dot(along_u, ns);
   if (!(dot(raw, raw) > 0)) return ns;

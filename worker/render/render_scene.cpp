@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "core/scene/load.h"
+#include "worker/render/sampler.h"
 
 namespace tessera {
 namespace {
@@ -23,6 +24,13 @@ tracer::Shutter shutter_for(const Scene& scene, const RenderSettings& settings, 
   return tracer::shutter_of(scene, scene.cameras[camera], frame);
 }
 
+// Whether a surface of this opacity is there for a ray. Every ray and every surface decides for itself.
+bool there(float opacity, const tracer::Hit& hit, std::uint32_t seed) {
+  if (opacity >= 1) return true;
+  const std::uint64_t key = static_cast<std::uint64_t>(hit.piece) << 32 | hit.primitive;
+  return tracer::unit_float(static_cast<std::uint32_t>(tracer::mixed(tracer::mixed(key) ^ seed) >> 32)) < opacity;
+}
+
 bool any_material(const Scene& scene, const auto& is) {
   return std::any_of(scene.materials.begin(), scene.materials.end(), is);
 }
@@ -35,16 +43,18 @@ tracer::Shutter tracer::shutter_of(const Scene& scene, const Camera& camera, int
 }
 
 RenderScene::RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shutter,
-                         std::shared_ptr<tracer::TextureCache> cache)
+                         tracer::LightChoice choice, std::shared_ptr<tracer::TextureCache> cache)
     : scene_(std::move(scene)),
       shutter_(shutter),
-      geometry_(*scene_),
+      geometry_(*scene_, shutter),
       materials_(*scene_, std::move(cache)),
       bvh_(
           geometry_, [this](int material) { return materials_.masked(material); },
-          [this](const tracer::Hit& hit) { return materials_.opacity(geometry_, hit) > 0.5f; }),
+          [this](const tracer::Hit& hit, std::uint32_t seed) {
+            return there(materials_.opacity(geometry_, hit), hit, seed);
+          }),
       diameter_(diameter_of(bvh_)),
-      lights_(*scene_, geometry_, materials_, diameter_ / 2),
+      lights_(*scene_, geometry_, materials_, diameter_ / 2, choice),
       moves_(false),
       blends_(any_material(*scene_, [](const Material& m) { return m.alpha == Material::Alpha::blend; })),
       shows_unlit_(any_material(*scene_, [](const Material& m) { return m.kind == Material::Kind::unlit; })) {
@@ -66,7 +76,7 @@ Vec3 RenderScene::one_frame_before(const tracer::Hit& hit, const Vec3& position)
 std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene> scene, const RenderSettings& settings,
                                            int frame, std::shared_ptr<tracer::TextureCache> cache) {
   const tracer::Shutter shutter = shutter_for(*scene, settings, frame);
-  return std::make_shared<RenderScene>(std::move(scene), shutter, std::move(cache));
+  return std::make_shared<RenderScene>(std::move(scene), shutter, tracer::LightChoice::tree, std::move(cache));
 }
 
 std::string preparation(const Scene& scene, const RenderSettings& settings, int frame) {

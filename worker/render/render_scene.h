@@ -17,8 +17,9 @@ Shutter shutter_of(const Scene& scene, const Camera& camera, int frame);
 
 class RenderScene {
  public:
-  RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shutter,
-              std::shared_ptr<tracer::TextureCache> cache);
+  explicit RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shutter = {},
+                       tracer::LightChoice choice = tracer::LightChoice::tree,
+                       std::shared_ptr<tracer::TextureCache> cache = nullptr);
 
   const Scene& scene() const { return *scene_; }
   const tracer::Geometry& geometry() const { return geometry_; }

@@ -22,6 +22,13 @@ inline float length(const Vec3& a) { return std::sqrt(dot(a, a)); }
 inline Vec3 unit(const Vec3& a) { return a * (1.0f / length(a)); }
 inline float root(float x) { return std::sqrt(std::max(x, 0.0f)); }
 
+// Unit, or `otherwise` where v has no direction.
+inline Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
+  const float largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  if (!(largest > 0)) return otherwise;
+  return unit(v * (1.0f / largest));  // tiny triangles have normals whose square underflows
+}
+
 inline Color lerp(const Color& a, const Color& b, float t) { return a * (1.0f - t) + b * t; }
 inline float max_component(const Color& c) { return std::max({c.x, c.y, c.z}); }
 inline bool is_black(const Color& c) { return c.x == 0 && c.y == 0 && c.z == 0; }

@@ -134,14 +134,87 @@ TEST(Lights, ThePictureLiesAroundTheSceneAsDocumented) {
   EXPECT_GT(turned.radiance({0, 0, -1}).y, 0.99f);
 }
 
-TEST(Lights, ManyLightsArePickedByTheirPower) {
+// Steradians of a triangle seen from the origin; van Oosterom and Strackee 1983.
+double solid_angle(const Imath::V3d& a, const Imath::V3d& b, const Imath::V3d& c) {
+  const double la = a.length(), lb = b.length(), lc = c.length();
+  return std::abs(
+      2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + a.dot(c) * lb + b.dot(c) * la));
+}
+
+// Where a direction from kPoint meets a quad: false if nowhere.
+bool meets(const Quad& q, const Vec3& d, double& distance, double& cosine) {
+  const Imath::V3d eu(q.edge_u), ev(q.edge_v), n = eu.cross(ev), dir(d), to(q.corner - kPoint);
+  distance = to.dot(n) / dir.dot(n);
+  cosine = std::abs(dir.dot(n)) / n.length();
+  if (!(distance > 0)) return false;
+  const Imath::V3d at = dir * distance - to;
+  const double u = at.cross(ev).dot(n) / n.dot(n), v = eu.cross(at).dot(n) / n.dot(n);
+  return u >= 0 && u < 1 && v >= 0 && v < 1;
+}
+
+TEST(Lights, ARectangleIsSampledUniformlyByTheSolidAngleSeen) {
+  // Beside the point, and over it so near that it fills half of the sky.
+  for (const Quad& quad : {Quad{{-1, 1.5f, 1}, {2, 0.5f, 0}, {0.5f, -2, -2}, 0},
+                           Quad{{-2, 0.5f, -2}, {4, 0, 0}, {0, 0, 3}, 0}}) {
+    Scene scene;
+    add_material(scene, {.emission = Color(1, 1, 1)});
+    Quad q = quad;
+    q.edge_v = q.edge_v - q.edge_u * (dot(q.edge_v, q.edge_u) / dot(q.edge_u, q.edge_u));
+    scene.quads.push_back(q);
+    const Imath::V3d a(q.corner - kPoint), u(q.edge_u), v(q.edge_v);
+    const double whole = solid_angle(a, a + u, a + u + v) + solid_angle(a, a + u + v, a + v);
+    double distance, cosine;
+    expect_light(
+        scene, [&](const Vec3& d) { return meets(q, d, distance, cosine) ? 1 / whole : 0; }, "rectangle");
+  }
+}
+
+TEST(Lights, AParallelogramIsSampledUniformlyByArea) {
+  Scene scene;
+  add_material(scene, {.emission = Color(1, 1, 1)});
+  const Quad q{{-1, 1, 1}, {2, 0.5f, 0}, {1, 0.5f, -2}, 0};
+  scene.quads.push_back(q);
+  const double area = length(cross(q.edge_u, q.edge_v));
+  double distance, cosine;
+  expect_light(
+      scene,
+      [&](const Vec3& d) {
+        return meets(q, d, distance, cosine) ? distance * distance / (cosine * area) : 0;
+      },
+      "parallelogram");
+}
+
+TEST(Lights, ADiskIsSampledUniformlyByArea) {
+  Scene scene;
+  add_material(scene, {.emission = Color(1, 1, 1)});
+  const Disk disk{{0.5f, 1, -1}, unit(Vec3(0.3f, -1, 0.2f)), 0.8f, 0};
+  scene.disks.push_back(disk);
+  const auto pdf = [&](const Vec3& d) -> double {
+    const double t = dot(disk.center - kPoint, disk.normal) / dot(d, disk.normal);
+    if (t <= 0) return 0;
+    const Vec3 at = kPoint + d * float(t) - disk.center;
+    return dot(at, at) < 0.64 ? t * t / (std::abs(dot(d, disk.normal)) * kPi * 0.64) : 0;
+  };
+  expect_light(scene, pdf, "disk");
+}
+
+TEST(Lights, PowerAndNothingButTheNumberPickIfToldSo) {
   Scene scene;
   scene.points.push_back({{0, 1, 0}, {3, 3, 3}});
   scene.points.push_back({{0, -1, 0}, {1, 1, 1}});
   scene.points.push_back({{1, 0, 0}, {0, 0, 0}});
-  const auto ready = prepared(scene);
-  EXPECT_FLOAT_EQ(ready->lights().sample({0, 0, 0}, {0, 1, 0}, 0.5f, {}).pdf, 0.75f);
-  EXPECT_FLOAT_EQ(ready->lights().sample({0, 0, 0}, {0, 1, 0}, 0.8f, {}).pdf, 0.25f);
+  const auto shared = std::make_shared<const Scene>(scene);
+  const auto pdf = [&](LightChoice choice, const Vec3& p, float pick) {
+    return RenderScene(shared, {}, choice).lights().sample(p, {0, 1, 0}, pick, {}).pdf;
+  };
+  EXPECT_FLOAT_EQ(pdf(LightChoice::power, {0, 0.9f, 0}, 0.5f), 0.75f);
+  EXPECT_FLOAT_EQ(pdf(LightChoice::power, {0, 0.9f, 0}, 0.8f), 0.25f);
+  for (const float pick : {0.2f, 0.7f}) EXPECT_FLOAT_EQ(pdf(LightChoice::uniform, {0, 0.9f, 0}, pick), 0.5f);
+  EXPECT_FLOAT_EQ(pdf(LightChoice::tree, {0, 0.9f, 0}, 0.5f), 0.75f);  // but two: by power
+  // The tree heeds the distance: 3 / 0.1^2 against (1 + 1) / 1.9^2.
+  scene.points.push_back(scene.points[1]);
+  const RenderScene three(std::make_shared<const Scene>(scene));
+  EXPECT_FLOAT_EQ(three.lights().sample({0, 0.9f, 0}, {0, 1, 0}, 0.5f, {}).pdf, 300 / (300 + 2 / 3.61f));
 }
 
 // The integral over all directions of what a glossy point reflects, by either strategy alone and by both.

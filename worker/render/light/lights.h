@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Everything that emits, as what next-event estimation needs: pick a light, a direction towards it, and the
 // density with which that direction would have been picked.
+//
+// Lights that are somewhere (points, spots, emitting triangles, spheres, quads, disks) are picked by a tree
+// (light/tree.h); those infinitely far away (suns, a picture around) by their power. Where there are both,
+// each side as a whole gets half of the picks: sun and sky reach all of a scene, a lamp only what is near.
+//
+// Emitting meshes that move are sampled where they are at the ray's time, with the area they have then. Their
+// bounds in the tree hold for the whole shutter, so every pick has one probability and hits weigh exactly.
 #pragma once
 
-#include <optional>
-
 #include "worker/render/light/environment.h"
+#include "worker/render/light/points.h"
+#include "worker/render/light/tree.h"
 #include "worker/render/material.h"
 
 namespace tessera::tracer {
@@ -17,13 +24,13 @@ struct LightSample {
   bool infinite;   // no target: the shadow ray has no end
   bool delta;      // no other strategy can find this direction
   Color radiance{0, 0, 0};
-  float pdf = 0;  // per steradian, or a probability if delta; 0: no sample
+  float pdf = 0;  // per steradian, or a probability if it is a point or a sun without extent; 0: no sample
   const LightTraits* traits = nullptr;
 };
 
 // Where a ray was scattered, for the weight of what it finds against sample() there.
 struct Vertex {
-  Vec3 position, normal;  // the surface point, and its shading normal on the side the path came from
+  Vec3 position, normal;  // the surface point, and its shading normal on either side: those given to sample()
   float pdf = 0;          // density of the ray's direction; 0: a delta or camera ray
 };
 
@@ -33,19 +40,24 @@ struct Emitted {
   const LightTraits* traits = nullptr;
 };
 
+// How a light that is somewhere is picked: by what it may give to the point (by its power if there are but
+// two), by its power, or all alike. The last two are what the first is measured against.
+enum class LightChoice : std::uint8_t { tree, power, uniform };
+
 class Lights {
  public:
   // All are borrowed and must outlive this. Tells `geometry` which of its pieces emit. `radius` is
   // the scene's.
-  Lights(const Scene& scene, Geometry& geometry, const Materials& materials, float radius);
+  Lights(const Scene& scene, Geometry& geometry, const Materials& materials, float radius,
+         LightChoice choice = LightChoice::tree);
 
-  bool empty() const { return picks_.size() == 0; }  // nothing to sample; there may still be an environment
-  // sample() heeds `pick`: there are several lights, or one of several triangles.
-  bool picks() const { return picks_.size() > 1 || !meshes_.empty(); }
+  bool empty() const { return near_.empty() && far_.empty(); }  // nothing to sample; a constant sky may shine
+  bool picks() const { return near_.size() + far_.size() > 1 || !tables_.empty(); }  // sample() heeds `pick`
   bool surfaces_emit() const { return surfaces_emit_; }
   bool sky_emits() const { return !environment_.black() || !suns_.empty(); }
 
-  // A light seen from p, a point with the shading normal n. `pick` chooses the light, `u` the point on it.
+  // A light seen from p, a point with the shading normal n (either side of it). `pick` chooses the light, `u`
+  // the point on it; `time` is a share of the shutter.
   LightSample sample(const Vec3& p, const Vec3& n, float pick, const Vec2& u, float time = 0) const;
 
   // What a scattered ray finds that hits nothing: calls collect(Emitted) for the environment and for each sun
@@ -68,15 +80,19 @@ class Lights {
   Emitted hit(const Vertex& from, const Vec3& direction, const Surface& s) const;
 
  private:
-  enum class Kind { point, spot, sun, mesh, sphere, environment };
+  enum class Kind : std::uint8_t { point, spot, triangle, mesh, sphere, quad, disk, sun, environment };
   struct Light {
     Kind kind;
-    std::size_t index;  // in the scene's list of its kind; of mesh: the piece
-    int table = -1;     // of mesh: index into meshes_
+    bool found;              // scattered rays may hit it
+    std::uint32_t index;     // in the scene's list of its kind; of a surface: the piece
+    std::uint32_t part = 0;  // of a surface: triangle or member of the piece; of a mesh: index into tables_
   };
-  struct EmittingMesh {
+  // An emitting mesh with too many triangles to be lights of their own, in its own space.
+  struct Table {
+    int mesh;
     Distribution triangles;  // by area
-    float area;
+    double area;
+    Vec3 low, high;
   };
   struct Sun {
     Frame frame;    // z: towards the sun
@@ -86,36 +102,50 @@ class Lights {
     bool camera;        // sees it
     const LightTraits* traits;
   };
+  // Where the pick fell: a light, its probability, and what is left of the number that picked it.
+  struct Picked {
+    const Light* light = nullptr;
+    float probability = 0, share = 0;
+  };
 
-  void add(const Light& light, float power);
-  void add_punctual(float radius);
-  void add_meshes();
-  void add_spheres();
-  void balance();
-  LightSample sample_mesh(const Light&, const Vec3& p, float pick, const Vec2& u) const;
-  LightSample sample_sphere(const Light&, const Vec3& p, const Vec2& u) const;
+  void add_punctual(std::vector<LightBounds>& bounds);
+  void add_meshes(std::vector<LightBounds>& bounds);
+  void add_triangles(std::uint32_t piece, std::vector<LightBounds>& bounds);
+  void add_mesh(std::uint32_t piece, std::vector<LightBounds>& bounds);
+  std::uint32_t table_of(int mesh);
+  void add_shapes(std::vector<LightBounds>& bounds);
+  void add_far(float radius);
+  static float spread(Kind kind, const LightBounds& b);
+  void share_picks(LightChoice choice, const std::vector<LightBounds>& bounds);
+
+  Picked picked(const Vec3& p, const Vec3& n, float pick) const;
+  float probability(const Vec3& p, const Vec3& n, std::uint32_t near) const;
+  LightSample sample_at(const Vec3& p, const Light&, float share, const Vec2& u, float time) const;
+  LightSample sample_surface(const Vec3& p, const Light&, float share, const Vec2& u, float time) const;
+  MaybePoint draw(Kind, const Hit& hit, const Vec3& p, const Vec2& u, float time) const;
   LightSample sample_sun(const Light&, const Vec2& u) const;
   LightSample sample_environment(const Vec2& u) const;
-  LightSample sample_at(const Vec3& p, const Light&, float pick, const Vec2& u) const;
   LightSample towards(const Vec3& p, const Vec3& at, const Color& intensity) const;
+  float surface_pdf(const Light&, const Vec3& p, float distance2, float cosine, const Surface& s) const;
   Emitted from_environment(const Vertex&, const Vec3& direction) const;
   Emitted from_sun(const Sun&, const Vertex&) const;
   static bool covers(const Sun&, const Vec3& direction);
   const LightTraits& traits(const Light&) const;
-  float mesh_pdf(const Light&, float distance2, float cosine) const;
-  float sphere_pdf(const Sphere&, const Vec3& p, float distance2, float cosine) const;
 
   const Scene* scene_;
   Geometry* geometry_;
   const Materials* materials_;
   EnvironmentLight environment_;
-  std::vector<Light> lights_;
-  std::vector<float> powers_;
-  Distribution picks_;
-  std::vector<EmittingMesh> meshes_;
-  std::vector<Sun> suns_;    // those with an extent
-  std::vector<int> sun_at_;  // parallel to Scene::suns: index into suns_, or -1
-  int environment_pick_ = -1;
+  std::vector<Light> near_, far_;
+  float near_share_ = 0;     // of the picks
+  LightTree tree_;           // of near_, if so chosen
+  Distribution near_picks_;  // else
+  Distribution far_picks_;
+  std::vector<Table> tables_;
+  std::vector<int> table_at_;  // parallel to Scene::meshes: index into tables_, or -1
+  std::vector<Sun> suns_;      // those with an extent
+  std::vector<int> sun_at_;    // parallel to Scene::suns: index into suns_, or -1
+  float environment_probability_ = 0;
   bool surfaces_emit_ = false;
 };
 
