@@ -6,14 +6,16 @@
 #include <array>
 #include <filesystem>
 
+#include "core/scene/files.h"
 #include "core/scene/scene.h"
 
 namespace tessera {
 
-// How far scenes that import scenes may go: how deep, and how many files in all.
+// How far scenes that import scenes may still go: how deep, how many files, and what those may hold.
 struct ImportBudget {
   int depth = 8;
   int files = 10'000;
+  ImportLimits limits = {};  // of a file alone: file_bytes, node_depth; the others are what is left
 };
 
 // Dispatches on the extension. `where` is the place that names the file, for messages; empty: the file

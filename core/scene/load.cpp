@@ -33,8 +33,9 @@ void light_up(Scene& scene, const std::filesystem::path& file) {
 
 }  // namespace
 
-Scene load_scene(const std::filesystem::path& file) {
+Scene load_scene(const std::filesystem::path& file, const ImportLimits& limits) {
   ImportBudget budget;
+  budget.limits = limits;
   Scene scene = import_scene(file, budget);
   finish(scene, file.string());
   light_up(scene, file);

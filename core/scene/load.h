@@ -7,13 +7,14 @@
 #include <filesystem>
 #include <string>
 
+#include "core/scene/files.h"
 #include "core/scene/scene.h"
 
 namespace tessera {
 
 // The scene of `file`, complete and valid: every index in range, every number finite, at least one camera
 // (one that frames the scene is added if the file has none).
-Scene load_scene(const std::filesystem::path& file);
+Scene load_scene(const std::filesystem::path& file, const ImportLimits& limits = {});
 
 // Hex digest of everything in the scene that can change a pixel. Equal scenes have equal hashes on every
 // machine.

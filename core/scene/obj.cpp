@@ -21,7 +21,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t kMaxBytes = 4ull << 30, kMaxMtlBytes = 64ull << 20;
+constexpr std::uint64_t kMaxMtlBytes = 64ull << 20;
 
 Vec3 as_vec3(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
@@ -154,11 +154,11 @@ class Converter {
 
 }  // namespace
 
-Scene read_obj(const std::filesystem::path& file, std::string_view where) {
+Scene read_obj(const std::filesystem::path& file, const ImportLimits& limits, std::string_view where) {
   Assimp::Importer importer;
   std::vector<std::string> warnings;
   importer.SetIOHandler(
-      new CheckedFiles(read_file(file, kMaxBytes, where), file, warnings));  // the importer owns it
+      new CheckedFiles(read_file(file, limits.file_bytes, where), file, warnings));  // the importer owns it
   const aiScene* read = nullptr;
   try {
     read = importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_JoinIdenticalVertices |
