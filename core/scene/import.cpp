@@ -8,10 +8,10 @@
 #include <iterator>
 
 #include "core/error.h"
+#include "core/scene/assimp/read.h"
 #include "core/scene/files.h"
 #include "core/scene/gltf/gltf.h"
 #include "core/scene/native/native.h"
-#include "core/scene/obj.h"
 
 namespace tessera {
 namespace {
@@ -115,9 +115,11 @@ void spend(ImportLimits& limits, const Scene& part) {
 Scene import_model(const std::filesystem::path& file, const ImportLimits& limits, std::string_view where) {
   const std::string extension = extension_of(file);
   if (extension == ".gltf" || extension == ".glb") return read_gltf(file, limits, where);
-  if (extension == ".obj") return read_obj(file, limits, where);
+  if (extension == ".obj" || extension == ".fbx" || extension == ".ply")
+    return read_with_assimp(file, limits, where);
   throw InputError(where.empty() ? file.string() : where,
-                   fmt::format("unknown kind of scene file '{}'", extension), ".json, .gltf, .glb, .obj");
+                   fmt::format("unknown kind of scene file '{}'", extension),
+                   ".json, .gltf, .glb, .obj, .fbx, .ply");
 }
 
 }  // namespace

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/assimp/read.h"
+
+#include <assimp/BaseImporter.h>
+#include <assimp/config.h>
+#include <assimp/importerdesc.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <assimp/Importer.hpp>
+#include <sstream>
+
+#include "core/error.h"
+#include "core/scene/assimp/files.h"
+#include "core/scene/assimp/guard.h"
+#include "core/scene/assimp/materials.h"
+#include "core/scene/assimp/meshes.h"
+#include "core/scene/assimp/nodes.h"
+#include "core/scene/import.h"
+
+namespace tessera {
+namespace {
+
+std::string_view format_of(const std::string& extension) {
+  if (extension == ".fbx") return "Autodesk FBX";
+  return extension == ".ply" ? "Stanford PLY" : "Wavefront OBJ";
+}
+
+void check(std::string_view bytes, const std::string& extension, const ImportLimits& limits,
+           const std::string& file) {
+  if (extension == ".obj") assimp::check_obj(bytes, file);
+  if (extension == ".ply") assimp::check_ply(bytes, limits, file);
+  if (extension == ".fbx") assimp::check_fbx(bytes, limits, file);
+}
+
+// assimp tries every reader it has on a file that its own does not know; only that one is left.
+void keep_reader_of(Assimp::Importer& importer, const std::string& extension) {
+  for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
+    std::istringstream all(importer.GetImporterInfo(i)->mFileExtensions);
+    bool reads = false;
+    for (std::string one; all >> one;) reads |= "." + one == extension;
+    Assimp::BaseImporter* reader = importer.GetImporter(i);
+    if (!reads && importer.UnregisterLoader(reader) == AI_SUCCESS) delete reader;
+  }
+}
+
+// FBX counts in units of so many centimetres.
+float metres_of_unit(const aiScene& scene, const std::string& extension) {
+  if (extension != ".fbx") return 1;
+  float centimetres = 1;
+  double precise = 1;
+  if (scene.mMetaData && scene.mMetaData->Get("UnitScaleFactor", precise))
+    centimetres = static_cast<float>(precise);
+  else if (scene.mMetaData)
+    scene.mMetaData->Get("UnitScaleFactor", centimetres);
+  return centimetres > 0 && centimetres < 1e9f ? centimetres / 100 : 0.01f;
+}
+
+// assimp gives a PLY a grey material of its own.
+void use_vertex_colors(Scene& scene) {
+  const bool colored =
+      std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& m) { return !m.colors.empty(); });
+  for (Material& m : scene.materials) {
+    m = Material{};
+    if (colored) m.base_color = Color(1);
+  }
+}
+
+}  // namespace
+
+Scene read_with_assimp(const std::filesystem::path& file, const ImportLimits& limits,
+                       std::string_view where) {
+  const std::string name = file.string(), extension = extension_of(file);
+  std::string bytes = read_file(file, limits.file_bytes, where);
+  check(bytes, extension, limits, name);
+  Assimp::Importer importer;
+  keep_reader_of(importer, extension);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
+  assimp::Libraries libraries;
+  importer.SetIOHandler(new assimp::CheckedFiles(std::move(bytes), file, libraries));  // the importer owns it
+  const aiScene* read = nullptr;
+  try {
+    read = importer.ReadFile(name, aiProcess_Triangulate | aiProcess_JoinIdenticalVertices |
+                                       aiProcess_SortByPType | aiProcess_FlipUVs);
+  } catch (const std::exception& e) {
+    throw InputError(name, e.what(), format_of(extension));
+  }
+  if (!read) throw InputError(name, importer.GetErrorString(), format_of(extension));
+  Scene scene;
+  scene.name = file.stem().string();
+  assimp::add_materials(scene, *read, file, libraries.physical, limits);
+  const std::vector<int> meshes = assimp::add_meshes(scene, *read, limits, name);
+  assimp::add_nodes(scene, *read, meshes, metres_of_unit(*read, extension), limits, name);
+  if (extension == ".ply") use_vertex_colors(scene);
+  for (const std::string& text : libraries.warnings) warn(scene, fmt::format("{}: {}", name, text));
+  return scene;
+}
+
+}  // namespace tessera
