@@ -28,6 +28,12 @@ std::string read_file(const std::filesystem::path& file, std::uint64_t most, std
   return bytes;
 }
 
+void require_at_most(std::uint64_t most, std::uint64_t count, std::string_view things,
+                     std::string_view where) {
+  if (count > most)
+    throw InputError(where, fmt::format("there are {} {}", count, things), fmt::format("at most {}", most));
+}
+
 std::string extension_of(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),

@@ -6,6 +6,12 @@
 
 namespace tessera {
 
+// Where what moves begins.
+Matrix first_pose(const Scene& scene, const Instance& instance) {
+  const int track = instance.object < 0 ? -1 : scene.objects[static_cast<std::size_t>(instance.object)].track;
+  return track < 0 ? Matrix() : scene.tracks[static_cast<std::size_t>(track)].poses.front();
+}
+
 Imath::Box3f bounds_of(const Scene& scene) {
   std::vector<Imath::Box3f> boxes(scene.meshes.size());
   for (std::size_t m = 0; m < boxes.size(); ++m)
@@ -14,10 +20,11 @@ Imath::Box3f bounds_of(const Scene& scene) {
   Imath::Box3f bounds;
   for (const Instance& instance : scene.instances) {
     const Imath::Box3f& box = boxes[static_cast<std::size_t>(instance.mesh)];
+    const Matrix stands = instance.to_world * first_pose(scene, instance);
     for (int corner = 0; !box.isEmpty() && corner < 8; ++corner)
       bounds.extendBy(Vec3(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
                            corner & 4 ? box.max.z : box.min.z) *
-                      instance.to_world);
+                      stands);
   }
   for (const Sphere& s : scene.spheres) {
     bounds.extendBy(s.center - Vec3(s.radius));

@@ -8,10 +8,11 @@
 #include <iterator>
 
 #include "core/error.h"
+#include "core/scene/assimp/read.h"
 #include "core/scene/files.h"
 #include "core/scene/gltf/gltf.h"
 #include "core/scene/native/native.h"
-#include "core/scene/obj.h"
+#include "core/scene/ply.h"
 
 namespace tessera {
 namespace {
@@ -102,15 +103,36 @@ void shift_all(Scene& part, Scene& scene) {
     for (Variant::Choice& c : v.choices) c.mesh += meshes, c.material += materials;
 }
 
+// Takes what a file held from what those after it may hold.
+void spend(ImportLimits& limits, const Scene& part) {
+  const auto take = [](std::uint64_t& left, std::uint64_t n) { left -= std::min(left, n); };
+  for (const Mesh& m : part.meshes) {
+    take(limits.vertices, m.positions.size());
+    take(limits.triangles, m.triangles.size());
+  }
+  take(limits.instances, part.instances.size());
+  for (const Picture& p : part.pictures)
+    take(limits.picture_pixels, static_cast<std::uint64_t>(p.width) * static_cast<std::uint64_t>(p.height));
+}
+
+// A file of a format that takes in no scenes.
+Scene import_model(const std::filesystem::path& file, const ImportLimits& limits, std::string_view where) {
+  const std::string extension = extension_of(file);
+  if (extension == ".gltf" || extension == ".glb") return read_gltf(file, limits, where);
+  if (extension == ".obj" || extension == ".fbx") return read_with_assimp(file, limits, where);
+  if (extension == ".ply") return read_ply(file, limits, where);
+  throw InputError(where.empty() ? file.string() : where,
+                   fmt::format("unknown kind of scene file '{}'", extension),
+                   ".json, .gltf, .glb, .obj, .fbx, .ply");
+}
+
 }  // namespace
 
 Scene import_scene(const std::filesystem::path& file, ImportBudget& budget, std::string_view where) {
-  const std::string extension = extension_of(file);
-  if (extension == ".json") return read_native(file, budget, where);
-  if (extension == ".gltf" || extension == ".glb") return read_gltf(file, where);
-  if (extension == ".obj") return read_obj(file, where);
-  throw InputError(where.empty() ? file.string() : where,
-                   fmt::format("unknown kind of scene file '{}'", extension), ".json, .gltf, .glb, .obj");
+  if (extension_of(file) == ".json") return read_native(file, budget, where);
+  Scene scene = import_model(file, budget.limits, where);
+  spend(budget.limits, scene);
+  return scene;
 }
 
 std::array<Texture*, 11> textures_of(Material& m) {

@@ -11,9 +11,9 @@
 
 namespace tessera {
 
-// How far scenes that import scenes may still go: how deep, how many files in all, and how large.
+// How far scenes that import scenes may still go: how deep, how many files, and what those may hold.
 struct ImportBudget {
-  ImportLimits limits;
+  ImportLimits limits;  // of a file alone: file_bytes, node_depth; the others are what is left
   std::uint64_t depth = limits.depth;
   int files = 10'000;
 };

@@ -15,10 +15,13 @@ struct Limit {
   std::string_view name;
   std::uint64_t ImportLimits::*field;
 };
-constexpr std::array kLimits{
-    Limit{"file_bytes", &ImportLimits::file_bytes},         Limit{"vertices", &ImportLimits::vertices},
-    Limit{"triangles", &ImportLimits::triangles},           Limit{"instances", &ImportLimits::instances},
-    Limit{"picture_pixels", &ImportLimits::picture_pixels}, Limit{"depth", &ImportLimits::depth}};
+constexpr std::array kLimits{Limit{"file_bytes", &ImportLimits::file_bytes},
+                             Limit{"vertices", &ImportLimits::vertices},
+                             Limit{"triangles", &ImportLimits::triangles},
+                             Limit{"instances", &ImportLimits::instances},
+                             Limit{"picture_pixels", &ImportLimits::picture_pixels},
+                             Limit{"node_depth", &ImportLimits::node_depth},
+                             Limit{"depth", &ImportLimits::depth}};
 
 void require(std::uint64_t count, std::uint64_t most, std::string_view limit, std::string_view where) {
   if (count > most)

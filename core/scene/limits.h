@@ -11,12 +11,14 @@
 
 namespace tessera {
 
+// What all that one scene file takes in may come to. A hostile file is refused here, before it eats the machine.
 struct ImportLimits {
-  std::uint64_t file_bytes = 4000ull << 20;   // of one file
+  std::uint64_t file_bytes = 4000ull << 20;   // of one file, together with the buffers that it names
   std::uint64_t vertices = 1ull << 28;        // of all meshes
   std::uint64_t triangles = 1ull << 29;       // of all meshes, each counted once
   std::uint64_t instances = 16'000'000;       // and spheres, quads and disks
   std::uint64_t picture_pixels = 1ull << 31;  // of all pictures
+  std::uint64_t node_depth = 1000;            // of parents above a node
   std::uint64_t depth = 8;                    // of scenes that import scenes
   bool operator==(const ImportLimits&) const = default;
 };

@@ -36,6 +36,7 @@ void light_up(Scene& scene, const std::filesystem::path& file) {
 Scene load_scene(const std::filesystem::path& file, const ImportLimits& limits) {
   ImportBudget budget{limits};
   Scene scene = import_scene(file, budget);
+  require_at_most(limits.instances, scene.instances.size(), "instances", file.string());
   finish(scene, file.string());
   light_up(scene, file);
   return scene;

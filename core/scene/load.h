@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files to Scene: the native JSON (docs/scene.schema.json), .gltf/.glb, .obj. Chosen by the file's extension.
-// Everything in a file is untrusted: a bad one throws InputError with file, line or JSON pointer, what is
-// wrong and what is accepted.
+// Files to Scene: the native JSON (docs/scene.schema.json), .gltf/.glb, .obj, .fbx, .ply. Chosen by the
+// file's extension. Everything in a file is untrusted: a bad one throws InputError with file, line or JSON
+// pointer, what is wrong and what is accepted.
 #pragma once
 
 #include <filesystem>

@@ -16,9 +16,19 @@ struct Numbers {
   std::string_view name;
   int count;
 };
-constexpr std::array<Numbers, 9> kNumbers{
-    {{"Ka", 3}, {"Kd", 3}, {"Ks", 3}, {"Ke", 3}, {"Tf", 3}, {"d", 1}, {"Ns", 1}, {"Ni", 1}, {"illum", 1}}};
-constexpr std::array<std::string_view, 2> kMaps{"map_Kd", "map_Ke"};
+constexpr std::array<Numbers, 12> kNumbers{{{"Ka", 3},
+                                            {"Kd", 3},
+                                            {"Ks", 3},
+                                            {"Ke", 3},
+                                            {"Tf", 3},
+                                            {"d", 1},
+                                            {"Tr", 1},
+                                            {"Ns", 1},
+                                            {"Ni", 1},
+                                            {"Pr", 1},
+                                            {"Pm", 1},
+                                            {"illum", 1}}};
+constexpr std::array<std::string_view, 3> kMaps{"map_Kd", "map_Ke", "map_d"};
 
 // `statement` in canonical form; empty if it is none we know, or not whole.
 std::string canonical(const std::string& statement) {
@@ -47,6 +57,7 @@ std::string canonical(const std::string& statement) {
 CheckedMtl checked_mtl(std::string_view text) {
   CheckedMtl checked;
   std::istringstream lines{std::string(text)};
+  std::string material;
   bool in_material = false;
   int number = 0;
   for (std::string line; std::getline(lines, line);) {
@@ -55,7 +66,9 @@ CheckedMtl checked_mtl(std::string_view text) {
     const std::size_t first = line.find_first_not_of(" \t\r");
     if (first == std::string::npos || line[first] == '#') continue;
     const std::string statement = canonical(line);
-    in_material |= statement.starts_with("newmtl ");
+    if (statement.starts_with("newmtl ")) in_material = true, material = statement.substr(7);
+    if (in_material && (statement.starts_with("Pr ") || statement.starts_with("Pm ")))
+      checked.physical.insert(material);
     if (statement.empty() || !in_material)
       checked.warnings.push_back(fmt::format("{}: '{}' is left out", number, line.substr(first, 40)));
     else

@@ -2,6 +2,7 @@
 // A material file of a Wavefront OBJ, made safe: assimp trusts statements to be whole and in order.
 #pragma once
 
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +11,7 @@ namespace tessera {
 
 struct CheckedMtl {
   std::string text;                   // only statements we know, whole, each after a newmtl
+  std::set<std::string> physical;     // materials with Pr or Pm
   std::vector<std::string> warnings;  // "line: what is left out"
 };
 CheckedMtl checked_mtl(std::string_view text);

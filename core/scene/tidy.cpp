@@ -43,6 +43,16 @@ void tidy_normals(Mesh& mesh) {
       if (broken[v]) mesh.normals[v] = unit(cross_of(mesh, t));
 }
 
+std::size_t tidy_colors(Mesh& mesh) {
+  std::size_t changed = 0;
+  for (auto& color : mesh.colors) {
+    const auto before = color;
+    for (float& v : color) v = std::isnan(v) ? 1.0f : std::clamp(v, 0.0f, 1.0f);
+    changed += color != before;
+  }
+  return changed;
+}
+
 }  // namespace
 
 Tidied tidy(Mesh& mesh) {
@@ -58,8 +68,10 @@ Tidied tidy(Mesh& mesh) {
   });
   for (Vec3& p : mesh.positions)
     if (!usable(p)) p = Vec3(0);
-  for (Vec2& uv : mesh.uvs)
-    if (!(std::abs(uv.x) <= kMaxCoordinate && std::abs(uv.y) <= kMaxCoordinate)) uv = Vec2(0);
+  for (auto* uvs : {&mesh.uvs, &mesh.uvs2})
+    for (Vec2& uv : *uvs)
+      if (!(std::abs(uv.x) <= kMaxCoordinate && std::abs(uv.y) <= kMaxCoordinate)) uv = Vec2(0);
+  tidied.colors = tidy_colors(mesh);
   tidy_normals(mesh);
   return tidied;
 }

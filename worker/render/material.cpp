@@ -114,9 +114,7 @@ Color Materials::emission(int material, const TexturePoint& at) const {
 
 Color Materials::mean_emission(int material) const {
   const Material& m = (*this)[material];
-  const auto mean = [&](const Texture& t) {
-    return t ? textures_.average(t) : Color(1, 1, 1);
-  };
+  const auto mean = [&](const Texture& t) { return t ? textures_.average(t) : Color(1, 1, 1); };
   const Color own = m.emission * mean(m.emission_texture);
   if (m.kind != Material::Kind::mix) return own;
   return own + lerp(mean_emission(m.first), mean_emission(m.second), as_share(m.mix * mean(m.mix_texture).x));

@@ -28,7 +28,8 @@ tracer::Shutter shutter_for(const Scene& scene, const RenderSettings& settings, 
 bool there(float opacity, const tracer::Hit& hit, std::uint32_t seed) {
   if (opacity >= 1) return true;
   const std::uint64_t key = static_cast<std::uint64_t>(hit.piece) << 32 | hit.primitive;
-  return tracer::unit_float(static_cast<std::uint32_t>(tracer::mixed(tracer::mixed(key) ^ seed) >> 32)) < opacity;
+  return tracer::unit_float(static_cast<std::uint32_t>(tracer::mixed(tracer::mixed(key) ^ seed) >> 32)) <
+         opacity;
 }
 
 bool any_material(const Scene& scene, const auto& is) {
@@ -76,7 +77,8 @@ Vec3 RenderScene::one_frame_before(const tracer::Hit& hit, const Vec3& position)
 std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene> scene, const RenderSettings& settings,
                                            int frame, std::shared_ptr<tracer::TextureCache> cache) {
   const tracer::Shutter shutter = shutter_for(*scene, settings, frame);
-  return std::make_shared<RenderScene>(std::move(scene), shutter, tracer::LightChoice::tree, std::move(cache));
+  return std::make_shared<RenderScene>(std::move(scene), shutter, tracer::LightChoice::tree,
+                                       std::move(cache));
 }
 
 std::string preparation(const Scene& scene, const RenderSettings& settings, int frame) {

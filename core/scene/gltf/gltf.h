@@ -6,11 +6,13 @@
 
 #include <filesystem>
 
+#include "core/scene/files.h"
+#include "core/scene/limits.h"
 #include "core/scene/scene.h"
 
 namespace tessera {
 
 // Throws InputError, at `where` if the file is missing, at the file if its contents are wrong.
-Scene read_gltf(const std::filesystem::path& file, std::string_view where = {});
+Scene read_gltf(const std::filesystem::path& file, const ImportLimits& limits, std::string_view where = {});
 
 }  // namespace tessera

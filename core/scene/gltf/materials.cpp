@@ -3,40 +3,23 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
+#include <cmath>
 
-#include "core/scene/import.h"
-#include "core/scene/pictures.h"
+#include "core/scene/gltf/textures.h"
+#include "core/scene/gltf/values.h"
 
 namespace tessera::gltf {
 namespace {
-
-constexpr std::array<std::string_view, 3> kKnown{"KHR_materials_emissive_strength", "KHR_materials_ior",
-                                                 "KHR_materials_transmission"};
 
 Color as_color(const std::vector<double>& v, const Color& otherwise) {
   if (v.size() < 3) return otherwise;
   return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
 }
 
-Texture::Wrap as_wrap(int wrap) {
-  if (wrap == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return Texture::Wrap::clamp;
-  if (wrap == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return Texture::Wrap::mirror;
-  return Texture::Wrap::repeat;
-}
-
-float extension_number(const tinygltf::ExtensionMap& extensions, const char* name, const char* key,
-                       float otherwise) {
-  const auto it = extensions.find(name);
-  if (it == extensions.end() || !it->second.IsObject() || !it->second.Has(key)) return otherwise;
-  const tinygltf::Value& value = it->second.Get(key);
-  return value.IsNumber() ? static_cast<float>(value.GetNumberAsDouble()) : otherwise;
-}
-
 class Materials {
  public:
-  Materials(Scene& scene, const Document& document) : scene_(scene), document_(document), shelf_(scene) {}
+  Materials(Scene& scene, const Document& document)
+      : scene_(scene), document_(document), textures_(scene, document) {}
 
   void add_all() {
     for (const tinygltf::Material& m : document_.model.materials) add(m);
@@ -44,94 +27,108 @@ class Materials {
   }
 
  private:
-  void warn_here(std::string_view material, std::string_view what) {
-    warn(scene_, fmt::format("{}: material '{}': {}", document_.file.string(), material, what));
+  // Calls read(material, extension) if the material has the extension.
+  template <class Read>
+  void extend(Material& m, const tinygltf::Material& from, const char* name, const Read& read) {
+    if (const tinygltf::Value* extension = find(from.extensions, std::string("KHR_materials_") + name))
+      read(m, *extension);
   }
 
   void add(const tinygltf::Material& from) {
-    const auto& pbr = from.pbrMetallicRoughness;
     Material m;
     m.name = from.name;
+    read_core(m, from);
+    extend(m, from, "pbrSpecularGlossiness", [&](auto& to, auto& e) { read_specular_glossiness(to, e); });
+    extend(m, from, "emissive_strength",
+           [](auto& to, auto& e) { to.emission *= number_or(e, "emissiveStrength", 1); });
+    extend(m, from, "ior", [](auto& to, auto& e) { to.ior = number_or(e, "ior", 1.5f); });
+    extend(m, from, "transmission", [&](auto& to, auto& e) { read_transmission(to, e); });
+    extend(m, from, "volume", [&](auto& to, auto& e) { read_volume(to, e); });
+    extend(m, from, "clearcoat", [&](auto& to, auto& e) { read_clearcoat(to, e); });
+    extend(m, from, "sheen", [&](auto& to, auto& e) { read_sheen(to, e); });
+    extend(m, from, "specular", [&](auto& to, auto& e) { warn_of_specular(to, e); });
+    extend(m, from, "unlit", [](auto& to, auto&) { to.kind = Material::Kind::unlit; });
+    document_.warn_of_unknown(scene_, from.extensions);
+    scene_.materials.push_back(std::move(m));
+  }
+
+  // glTF 2.0, section 3.9. The occlusion texture has no use here: occlusion is traced.
+  void read_core(Material& m, const tinygltf::Material& from) {
+    const auto& pbr = from.pbrMetallicRoughness;
     m.kind = Material::Kind::metallic_roughness;
     m.base_color = as_color(pbr.baseColorFactor, Color(1));
     if (pbr.baseColorFactor.size() == 4) m.base_alpha = static_cast<float>(pbr.baseColorFactor[3]);
     m.metallic = static_cast<float>(pbr.metallicFactor);
     m.roughness = static_cast<float>(pbr.roughnessFactor);
-    m.base_color_texture = texture(pbr.baseColorTexture, Encoding::srgb, m.name);
-    m.metallic_roughness_texture = texture(pbr.metallicRoughnessTexture, Encoding::linear, m.name);
-    m.normal_texture = texture(from.normalTexture, Encoding::linear, m.name);
+    m.base_color_texture = textures_.read(pbr.baseColorTexture, Encoding::srgb, m.name);
+    m.metallic_roughness_texture = textures_.read(pbr.metallicRoughnessTexture, Encoding::linear, m.name);
+    m.normal_texture = textures_.read(from.normalTexture, Encoding::linear, m.name);
     m.normal_scale = static_cast<float>(from.normalTexture.scale);
-    m.emission =
-        as_color(from.emissiveFactor, Color(0)) *
-        extension_number(from.extensions, "KHR_materials_emissive_strength", "emissiveStrength", 1.0f);
-    m.emission_texture = texture(from.emissiveTexture, Encoding::srgb, m.name);
+    m.emission = as_color(from.emissiveFactor, Color(0));
+    m.emission_texture = textures_.read(from.emissiveTexture, Encoding::srgb, m.name);
     m.alpha_cutoff = static_cast<float>(from.alphaCutoff);
-    m.ior = extension_number(from.extensions, "KHR_materials_ior", "ior", 1.5f);
     m.double_sided = from.doubleSided;
-    set_alpha(m, from.alphaMode);
-    set_transmission(m, from);
-    warn_of_losses(from);
-    scene_.materials.push_back(std::move(m));
+    if (from.alphaMode == "MASK") m.alpha = Material::Alpha::mask;
+    if (from.alphaMode == "BLEND") m.alpha = Material::Alpha::blend;
   }
 
-  void set_alpha(Material& m, const std::string& mode) {
-    if (mode == "MASK") m.alpha = Material::Alpha::mask;
-    if (mode == "BLEND") warn_here(m.name, "alphaMode BLEND is not supported, it is opaque");
+  void read_specular_glossiness(Material& m, const tinygltf::Value& e) {
+    warn_here(m.name, "specular-glossiness is taken for a dielectric of that diffuse colour and glossiness");
+    m.base_color = color_or(e, "diffuseFactor", Color(1));
+    if (const tinygltf::Value* diffuse = find(e, "diffuseFactor");
+        diffuse && diffuse->ArrayLen() == 4 && diffuse->Get(3).IsNumber())
+      m.base_alpha = static_cast<float>(diffuse->Get(3).GetNumberAsDouble());
+    m.base_color_texture = textures_.read(e, "diffuseTexture", Encoding::srgb, m.name);
+    m.metallic = 0;
+    m.roughness = 1 - number_or(e, "glossinessFactor", 1);
+    m.metallic_roughness_texture = {};
   }
 
-  void set_transmission(Material& m, const tinygltf::Material& from) {
-    const float transmission =
-        extension_number(from.extensions, "KHR_materials_transmission", "transmissionFactor", 0);
-    if (transmission < 0.5f) {
-      if (transmission > 0)
-        warn_here(m.name, fmt::format("the transmission {} is ignored, it is opaque", transmission));
-      return;
-    }
-    m.kind = Material::Kind::glass;
-    warn_here(m.name, fmt::format("the transmission {} is taken for clear, smooth glass", transmission));
+  // Without a volume the surface is a sheet that light passes unbent.
+  void read_transmission(Material& m, const tinygltf::Value& e) {
+    m.transmission = number_or(e, "transmissionFactor", 0);
+    m.transmission_texture = textures_.read(e, "transmissionTexture", Encoding::linear, m.name);
+    m.thin = true;
   }
 
-  void warn_of_losses(const tinygltf::Material& from) {
-    for (const auto& [name, value] : from.extensions)
-      if (std::find(kKnown.begin(), kKnown.end(), name) == kKnown.end())
-        warn_here(from.name, fmt::format("the extension {} is ignored", name));
-    if (from.occlusionTexture.index >= 0)
-      warn_here(from.name, "the occlusion texture is ignored: occlusion is traced");
+  void read_volume(Material& m, const tinygltf::Value& e) {
+    m.thin = !(number_or(e, "thicknessFactor", 0) > 0);
+    m.attenuation_color = color_or(e, "attenuationColor", Color(1));
+    m.attenuation_distance = number_or(e, "attenuationDistance", 0);  // missing: infinite, which is clear
+    if (find(e, "thicknessTexture"))
+      warn_here(m.name, "the thickness texture is ignored: light goes as far as the shape is thick");
   }
 
-  template <class Info>
-  Texture texture(const Info& info, Encoding encoding, std::string_view material) {
-    if (info.index < 0) return {};
-    const std::string part = fmt::format("textures/{}", info.index);
-    const tinygltf::Model& model = document_.model;
-    if (static_cast<std::size_t>(info.index) >= model.textures.size())
-      document_.refuse(part, "there is no such texture");
-    const tinygltf::Texture& from = model.textures[static_cast<std::size_t>(info.index)];
-    if (from.source < 0) {
-      warn_here(material, fmt::format("texture {} is left out: it has no image we know", info.index));
-      return {};
-    }
-    if (info.texCoord != 0)
-      warn_here(material, fmt::format("TEXCOORD_{} is taken for TEXCOORD_0", info.texCoord));
-    for (const auto& [name, value] : info.extensions)
-      warn_here(material, fmt::format("the extension {} is ignored", name));
-    Texture result;
-    result.picture = picture(from.source, encoding);
-    if (from.sampler >= 0 && static_cast<std::size_t>(from.sampler) < model.samplers.size()) {
-      result.wrap_u = as_wrap(model.samplers[static_cast<std::size_t>(from.sampler)].wrapS);
-      result.wrap_v = as_wrap(model.samplers[static_cast<std::size_t>(from.sampler)].wrapT);
-    }
-    return result;
+  void read_clearcoat(Material& m, const tinygltf::Value& e) {
+    m.clearcoat = number_or(e, "clearcoatFactor", 0);
+    m.clearcoat_texture = textures_.read(e, "clearcoatTexture", Encoding::linear, m.name);
+    m.clearcoat_roughness = number_or(e, "clearcoatRoughnessFactor", 0);
+    m.clearcoat_roughness_texture = textures_.read(e, "clearcoatRoughnessTexture", Encoding::linear, m.name);
+    m.clearcoat_normal_texture = textures_.read(e, "clearcoatNormalTexture", Encoding::linear, m.name);
+    if (const tinygltf::Value* normal = find(e, "clearcoatNormalTexture"))
+      m.clearcoat_normal_scale = number_or(*normal, "scale", 1);
   }
 
-  int picture(int image, Encoding encoding) {
-    return shelf_.place(image_bytes(document_, image),
-                        fmt::format("{}#images/{}", document_.file.string(), image), encoding);
+  void read_sheen(Material& m, const tinygltf::Value& e) {
+    m.sheen_color = color_or(e, "sheenColorFactor", Color(0));
+    m.sheen_color_texture = textures_.read(e, "sheenColorTexture", Encoding::srgb, m.name);
+    m.sheen_roughness = number_or(e, "sheenRoughnessFactor", 0);
+    m.sheen_roughness_texture = textures_.read(e, "sheenRoughnessTexture", Encoding::linear, m.name);
+  }
+
+  void warn_of_specular(const Material& m, const tinygltf::Value& e) {
+    if (number_or(e, "specularFactor", 1) != 1 || color_or(e, "specularColorFactor", Color(1)) != Color(1) ||
+        find(e, "specularTexture") || find(e, "specularColorTexture"))
+      warn_here(m.name, "KHR_materials_specular is ignored: the ior alone says how much it reflects");
+  }
+
+  void warn_here(std::string_view material, std::string_view what) {
+    document_.warn(scene_, fmt::format("material '{}': {}", material, what));
   }
 
   Scene& scene_;
   const Document& document_;
-  PictureShelf shelf_;
+  Textures textures_;
 };
 
 }  // namespace

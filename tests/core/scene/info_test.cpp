@@ -67,7 +67,7 @@ TEST(SceneInfo, MemoryIsWhatTheListsHold) {
 TEST(Limits, AreSetByName) {
   ImportLimits limits, expected;
   for (const std::string_view name : limit_names()) set_limit(limits, name, 7);
-  expected = {7, 7, 7, 7, 7, 7};
+  expected = {7, 7, 7, 7, 7, 7, 7};
   EXPECT_EQ(limits, expected);
   EXPECT_THROW(set_limit(limits, "vertexes", 1), Error);
 }
@@ -82,7 +82,7 @@ TEST_P(LimitedScene, IsRefusedBeyondItsLimit) {
   const std::string text = R"({"import": [{"file": "part.json"}], "environment": {"image": "corners.png"},
     "meshes": {"m": {"positions": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,2], [1,2,0]]}}})";
   const auto file = folder.write("s.json", text);
-  const ImportLimits exact{text.size(), 3, 2, 2, 4, 1};
+  const ImportLimits exact{text.size(), 3, 2, 2, 4, 1, 1};
   EXPECT_NO_THROW(load_scene(file, exact));
   for (const auto& [name, value] : {std::pair<std::string, std::uint64_t>{"file_bytes", text.size()},
                                     {"vertices", 3},

@@ -48,7 +48,7 @@ TEST(Tidy, NormalsBecomeUnitAndBrokenOnesThatOfATriangle) {
   for (const Vec3& n : mesh.normals) EXPECT_EQ(n, Vec3(0, 1, 0));
 }
 
-TEST(Finish, KeepsThePromisesOfTheSceneAndSaysWhatItChanged) {
+TEST(Tidy, IsPartOfFinishingAScene) {
   Scene scene;
   scene.materials.emplace_back().base_color = {1.5f, -1, kNan};
   scene.materials[0].ior = 9;
