@@ -23,13 +23,14 @@ for name in "${names[@]}"; do
   if [ -f "fuzz/$name.dict" ]; then dictionary=(-dict="fuzz/$name.dict"); fi
   echo "fuzz: $name, $seconds s"
   # Libraries forget memory when a file is broken: leaks are looked for by the tests.
-  if ! "$build/fuzz/fuzz_$name" -max_total_time="$seconds" -max_len=16384 -rss_limit_mb=2048 -timeout=10 \
-    -detect_leaks=0 -print_final_stats=1 -artifact_prefix="$work/found/" "${dictionary[@]}" "$work/corpus" \
+  if ! ASAN_OPTIONS=detect_leaks=0 "$build/fuzz/fuzz_$name" -max_total_time="$seconds" -max_len=16384 -rss_limit_mb=2048 -timeout=10 \
+    -print_final_stats=1 -artifact_prefix="$work/found/" "${dictionary[@]}" "$work/corpus" \
     >"$work/log" 2>&1; then
     found+=("$name")
-    grep -vE '^#|^NEW' "$work/log" | tail -60
+    grep -vE '^#|NEW_FUNC' "$work/log" | tail -60
+  else
+    grep -E 'number_of_executed_units|peak_rss' "$work/log"
   fi
-  grep -E 'number_of_executed_units|peak_rss' "$work/log"
 done
 if [ ${#found[@]} -gt 0 ]; then
   echo "fuzz: found something in: ${found[*]}; the inputs are in $build/fuzz/work/*/found" >&2

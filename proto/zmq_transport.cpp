@@ -19,10 +19,11 @@
 namespace tessera {
 
 struct ZmqContext::Inside {
+  explicit Inside(int io_threads) : context(io_threads) {}
   zmq::context_t context;
 };
 
-ZmqContext::ZmqContext(int io_threads) : inside_(std::make_unique<Inside>(zmq::context_t(io_threads))) {}
+ZmqContext::ZmqContext(int io_threads) : inside_(std::make_unique<Inside>(io_threads)) {}
 ZmqContext::~ZmqContext() = default;
 
 namespace {

@@ -4,7 +4,6 @@
 
 #include <string>
 #include <string_view>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -12,7 +11,8 @@ namespace tessera {
 
 struct Json {
   using Array = std::vector<Json>;
-  using Object = std::vector<std::pair<std::string, Json>>;  // in the file's order
+  struct Member;
+  using Object = std::vector<Member>;  // in the file's order
   std::variant<std::nullptr_t, bool, double, std::string, Array, Object> value;
 
   const Json* find(std::string_view key) const;  // nullptr if this is no object or has no such member
@@ -30,6 +30,11 @@ struct Json {
   bool is_text() const { return std::holds_alternative<std::string>(value); }
   bool is_array() const { return std::holds_alternative<Array>(value); }
   bool is_object() const { return std::holds_alternative<Object>(value); }
+};
+
+struct Json::Member {
+  std::string first;  // the key
+  Json second;
 };
 
 // Throws InputError at file:line:column. Nesting deeper than 64 is refused.

@@ -21,7 +21,7 @@ Names names_of(const Scene&);
 // An object that is being put together.
 struct Members {
   Json::Object list;
-  void add(std::string key, Json value) { list.emplace_back(std::move(key), std::move(value)); }
+  void add(std::string key, Json value) { list.push_back({std::move(key), std::move(value)}); }
   void add_number(std::string key, float value, float standard);
   void add_angle(std::string key, float radians, float standard);
   void add_color(std::string key, const Color& value, const Color& standard);

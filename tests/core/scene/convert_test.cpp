@@ -74,7 +74,7 @@ TEST_F(Converted, NothingIsWrittenIfTheSceneIsBadOrTheNameIs) {
 }
 
 TEST(JsonText, NumbersReadBackAsTheSameFloat) {
-  for (std::uint32_t i = 1; i < 200'000; ++i) {
+  for (std::uint32_t i = 1; i < 50'000; ++i) {
     const std::uint32_t bits = i * 0x9E3779B1u;  // all over the floats
     float f;
     std::memcpy(&f, &bits, 4);
@@ -87,9 +87,9 @@ TEST(JsonText, NumbersReadBackAsTheSameFloat) {
 
 TEST(JsonText, ReadsBackWhateverTheNamesAre) {
   Json::Object object;
-  object.emplace_back("a\"\\\n\x01\xc3\xa4", Json{-0.0});
-  object.emplace_back("", Json{Json::Array{}});
-  object.emplace_back("deep", Json{Json::Array{Json{std::string(200, 'x')}, Json{nullptr}, Json{true}}});
+  object.push_back({"a\"\\\n\x01\xc3\xa4", Json{-0.0}});
+  object.push_back({"", Json{Json::Array{}}});
+  object.push_back({"deep", Json{Json::Array{Json{std::string(200, 'x')}, Json{nullptr}, Json{true}}}});
   const Json back = parse_json(json_text(Json{object}), "f");
   ASSERT_EQ(back.members().size(), 3u);
   EXPECT_EQ(back.members()[0].first, object[0].first);

@@ -122,7 +122,7 @@ TEST_P(SpoiltFile, LoadsOrIsRefusedInWords) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, SpoiltFile,
-                         testing::Values(Kind{"all.json", 300}, Kind{"full.json", 300},
+                         testing::Values(Kind{"all.json", 250}, Kind{"full.json", 150},
                                          Kind{"card.gltf", 1000}, Kind{"card.glb", 1000},
                                          Kind{"plain.glb", 1000}, Kind{"card.obj", 1500},
                                          Kind{"text.ply", 300}, Kind{"binary.ply", 500},

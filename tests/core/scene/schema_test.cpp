@@ -176,20 +176,26 @@ void for_each_property(const json& part, const std::function<void(const std::str
   for (const auto& [key, value] : part.items()) for_each_property(value, see);
 }
 
+std::string spaceless(std::string text) {
+  std::erase(text, ' ');
+  return text;
+}
+
 TEST(Schema, IsWhatTheDocumentSays) {
   std::vector<std::string> lines;
   std::stringstream document(contents(std::filesystem::path(TESSERA_SOURCE_DIR) / "docs/SCENE.md"));
-  for (std::string line; std::getline(document, line);) lines.push_back(line);
+  for (std::string line; std::getline(document, line);) lines.push_back(spaceless(line));
   for_each_property(json::parse(scene_schema()), [&](const std::string& key, const json& property) {
-    const auto says = [&](const std::string& line) {
-      return line.starts_with("| `" + key + "` |") &&
-             (!property.contains("default") ||
-              line.find("| `" + property["default"].dump() + "` |") != line.npos) &&
-             (!property.contains("description") ||
-              line.find(property["description"].get<std::string>()) != line.npos);
+    const auto has = [](const std::string& line, const std::string& text) {
+      return line.find(text) != line.npos;
     };
-    EXPECT_EQ(std::count_if(lines.begin(), lines.end(), says) > 0, key != "type" || property.contains("enum"))
-        << key << ": " << property;
+    const auto says = [&](const std::string& line) {
+      return line.starts_with("|`" + key + "`|") &&
+             (!property.contains("default") ||
+              has(line, "|`" + spaceless(property["default"].dump()) + "`|")) &&
+             (!property.contains("description") || has(line, spaceless(property["description"])));
+    };
+    EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), says)) << key << ": " << property;
   });
 }
 
