@@ -68,8 +68,10 @@ class Materials {
   // What scatters: by metalness and roughness where they are given, else by the illumination model of MTL
   // (mirrors from 3, glass at 4, 6, 7 and 9), else by the highlight.
   void read_scattering(Material& m, const aiMaterial& from) {
-    const Color specular = color(from, AI_MATKEY_COLOR_SPECULAR).value_or(Color(0));
-    const float exponent = number(from, AI_MATKEY_SHININESS).value_or(0);
+    const Color specular = color(from, AI_MATKEY_COLOR_SPECULAR).value_or(Color(0)) *
+                           number(from, AI_MATKEY_SHININESS_STRENGTH).value_or(1);
+    const float exponent = number(from, AI_MATKEY_SHININESS)
+                               .value_or(number(from, "$raw.Shininess", 0, 0).value_or(0));  // of FBX
     const float ior = number(from, AI_MATKEY_REFRACTI).value_or(0);
     if (ior > 1) m.ior = ior;
     int illum = -1;

@@ -110,11 +110,9 @@ class Nodes {
 
 }  // namespace
 
-void add_nodes(Scene& scene, const aiScene& from, const std::vector<int>& meshes, float unit,
+void add_nodes(Scene& scene, const aiScene& from, const std::vector<int>& meshes, const Matrix& root,
                const ImportLimits& limits, const std::string& file) {
-  Matrix scale;
-  scale.setScale(unit);
-  if (from.mRootNode) Nodes(scene, from, meshes, limits, file).visit(*from.mRootNode, scale, 0);
+  if (from.mRootNode) Nodes(scene, from, meshes, limits, file).visit(*from.mRootNode, root, 0);
   if (from.mNumAnimations > 0) warn(scene, fmt::format("{}: animations are ignored", file));
 }
 

@@ -12,8 +12,8 @@ struct aiScene;
 namespace tessera::assimp {
 
 // Adds an object for each node with meshes, instances, cameras and lights. `meshes` is what add_meshes
-// returned; `unit` is how many metres one of the file's is.
-void add_nodes(Scene& scene, const aiScene& from, const std::vector<int>& meshes, float unit,
+// returned; `root` turns the file's world into ours.
+void add_nodes(Scene& scene, const aiScene& from, const std::vector<int>& meshes, const Matrix& root,
                const ImportLimits& limits, const std::string& file);
 
 }  // namespace tessera::assimp

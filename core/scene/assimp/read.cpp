@@ -9,7 +9,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <assimp/Importer.hpp>
+#include <cmath>
 #include <sstream>
 
 #include "core/error.h"
@@ -46,16 +48,25 @@ void keep_reader_of(Assimp::Importer& importer, const std::string& extension) {
   }
 }
 
-// FBX counts in units of so many centimetres.
-float metres_of_unit(const aiScene& scene, const std::string& extension) {
-  if (extension != ".fbx") return 1;
+// FBX counts in units of so many centimetres, along axes of its choice.
+Matrix to_metres_and_y_up(const aiScene& scene) {
+  const auto axis = [&](const std::string& name, int otherwise) {
+    int index = otherwise, sign = 1;
+    if (scene.mMetaData && scene.mMetaData->Get(name, index)) scene.mMetaData->Get(name + "Sign", sign);
+    return std::pair(index, sign < 0 ? -1.0f : 1.0f);
+  };
+  const std::array<std::pair<int, float>, 3> axes{axis("CoordAxis", 0), axis("UpAxis", 1),
+                                                  axis("FrontAxis", 2)};
   float centimetres = 1;
-  double precise = 1;
-  if (scene.mMetaData && scene.mMetaData->Get("UnitScaleFactor", precise))
-    centimetres = static_cast<float>(precise);
-  else if (scene.mMetaData)
-    scene.mMetaData->Get("UnitScaleFactor", centimetres);
-  return centimetres > 0 && centimetres < 1e9f ? centimetres / 100 : 0.01f;
+  if (scene.mMetaData) scene.mMetaData->Get("UnitScaleFactor", centimetres);
+  const float metres = centimetres > 0 && centimetres < 1e9f ? centimetres / 100 : 0.01f;
+  Matrix turn(0.0f), scale;
+  turn[3][3] = 1;
+  for (int i = 0; i < 3; ++i)
+    if (const auto [index, sign] = axes[static_cast<std::size_t>(i)]; index >= 0 && index < 3)
+      turn[index][i] = sign;
+  scale.setScale(metres);
+  return std::abs(turn.determinant()) > 0.5f ? scale * turn : scale;
 }
 
 // assimp gives a PLY a grey material of its own.
@@ -92,7 +103,8 @@ Scene read_with_assimp(const std::filesystem::path& file, const ImportLimits& li
   scene.name = file.stem().string();
   assimp::add_materials(scene, *read, file, libraries.physical, limits);
   const std::vector<int> meshes = assimp::add_meshes(scene, *read, limits, name);
-  assimp::add_nodes(scene, *read, meshes, metres_of_unit(*read, extension), limits, name);
+  assimp::add_nodes(scene, *read, meshes, extension == ".fbx" ? to_metres_and_y_up(*read) : Matrix(), limits,
+                    name);
   if (extension == ".ply") use_vertex_colors(scene);
   for (const std::string& text : libraries.warnings) warn(scene, fmt::format("{}: {}", name, text));
   return scene;

@@ -30,7 +30,7 @@ TEST(Obj, MeshesHaveTheirVerticesMaterialsAndTrianglesFromQuads) {
     EXPECT_EQ(paper.uvs[v], Vec2(paper.positions[v].x, 1 - paper.positions[v].y / 2)) << "v points down";
 }
 
-TEST(Obj, MaterialsAreDiffuseAndLossesAreSaid) {
+TEST(Obj, MaterialsKeepTheirColoursPicturesAndOpacity) {
   const Scene scene = load_scene(kData / "card.obj");
   const Material& paper = scene.materials[static_cast<std::size_t>(mesh_of(scene, "paper").material)];
   const Material& lamp = scene.materials[static_cast<std::size_t>(mesh_of(scene, "lamp").material)];
@@ -38,7 +38,8 @@ TEST(Obj, MaterialsAreDiffuseAndLossesAreSaid) {
   EXPECT_EQ(paper.base_color, Color(0.5f, 0.25f, 1));
   EXPECT_TRUE(paper.base_color_texture);
   EXPECT_EQ(lamp.emission, Color(4, 2, 1));
-  EXPECT_THAT(scene.warnings, Contains(HasSubstr("material 'lamp': the dissolve 0.5 is ignored")));
+  EXPECT_EQ(lamp.alpha, Material::Alpha::blend);
+  EXPECT_EQ(lamp.base_alpha, 0.5f);
 }
 
 TEST(Obj, AMissingMaterialLibraryIsSaidAndAMissingTextureRefused) {

@@ -81,9 +81,9 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{R"({"camera": {"matrix": [0,0,0,0, 0,0,0,0, 0,0,0,0, 0,0,0,0]}})",
                 "s.json: the camera '' looks nowhere"},
         Refused{R"({"import": [{"file": "none.gltf"}]})", "s.json:/import/0/file: "},
-        Refused{
-            R"({"import": [{"file": "model.blend"}]})",
-            "s.json:/import/0/file: unknown kind of scene file '.blend'; accepted: .json, .gltf, .glb, .obj"},
+        Refused{R"({"import": [{"file": "model.blend"}]})",
+                "s.json:/import/0/file: unknown kind of scene file '.blend'; accepted: .json, .gltf, .glb, "
+                ".obj, .fbx, .ply"},
         Refused{R"({"environment": {"image": "none.hdr"}})", "s.json:/environment/image: "},
         Refused{R"({"meshes": {"m": {"positions": [[0, 0, 0]], "triangles": [[0, 0, 1]]}}})",
                 "s.json:/meshes/m/triangles/0/2: there is no vertex 1; accepted: 0 to 0"},
@@ -103,8 +103,9 @@ TEST(RefusedFile, MissingOnesAreNamedWithThePlaceThatNamesThem) {
   EXPECT_THAT(refusal(folder.path() / "none.json"), StartsWith("none.json: no such file"));
   EXPECT_THAT(refusal(folder.path() / "none.glb"), StartsWith("none.glb: no such file"));
   EXPECT_THAT(refusal(folder.path() / "none.obj"), StartsWith("none.obj: no such file"));
-  EXPECT_THAT(refusal(folder.path() / "none.fbx"),
-              AllOf(HasSubstr("'.fbx'"), HasSubstr("accepted: .json, .gltf")));
+  EXPECT_THAT(refusal(folder.path() / "none.fbx"), StartsWith("none.fbx: no such file"));
+  EXPECT_THAT(refusal(folder.path() / "none.blend"),
+              AllOf(HasSubstr("'.blend'"), HasSubstr("accepted: .json, .gltf")));
   EXPECT_THAT(refusal(folder.write("s.json", R"({"import": [{"file": "none.gltf"}]})")),
               AllOf(StartsWith("s.json:/import/0/file: "), HasSubstr("none.gltf: no such file")));
 }
