@@ -12,6 +12,7 @@
 #include "core/scene/files.h"
 #include "core/scene/gltf/gltf.h"
 #include "core/scene/native/native.h"
+#include "core/scene/ply.h"
 
 namespace tessera {
 namespace {
@@ -115,8 +116,8 @@ void spend(ImportLimits& limits, const Scene& part) {
 Scene import_model(const std::filesystem::path& file, const ImportLimits& limits, std::string_view where) {
   const std::string extension = extension_of(file);
   if (extension == ".gltf" || extension == ".glb") return read_gltf(file, limits, where);
-  if (extension == ".obj" || extension == ".fbx" || extension == ".ply")
-    return read_with_assimp(file, limits, where);
+  if (extension == ".obj" || extension == ".fbx") return read_with_assimp(file, limits, where);
+  if (extension == ".ply") return read_ply(file, limits, where);
   throw InputError(where.empty() ? file.string() : where,
                    fmt::format("unknown kind of scene file '{}'", extension),
                    ".json, .gltf, .glb, .obj, .fbx, .ply");

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <cstring>
-#include <sstream>
 
 #include "core/error.h"
 
@@ -127,29 +126,6 @@ void check_braces(std::string_view text, const std::string& file) {
 
 void check_obj(std::string_view bytes, const std::string& file) {
   if (bytes.find('\0') != std::string::npos) throw InputError(file, "this is no text", "Wavefront OBJ");
-}
-
-void check_ply(std::string_view bytes, const ImportLimits& limits, const std::string& file) {
-  if (!bytes.starts_with("ply")) throw InputError(file, "does not begin with 'ply'", "Stanford PLY");
-  const std::size_t end = bytes.find("end_header");
-  if (end == std::string::npos || end > 1'000'000)
-    throw InputError(file, "the header has no end", "a header of at most a million bytes");
-  std::istringstream lines{std::string(bytes.substr(0, end))};
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream words(line);
-    std::string element, name, count;
-    if (!(words >> element >> name >> count) || element != "element") continue;
-    if (count.size() > 12 || count.find_first_not_of("0123456789") != std::string::npos)
-      throw InputError(
-          file, fmt::format("the header promises '{}' of '{}'", count.substr(0, 40), name.substr(0, 40)),
-          "a number");
-    const std::uint64_t number = std::stoull(count);
-    if (number > bytes.size() - end)
-      throw InputError(
-          file, fmt::format("the header promises {} of '{}' in {} bytes", number, name, bytes.size() - end));
-    if (name == "vertex") require_at_most(limits.vertices, number, "vertices", file);
-    if (name == "face") require_at_most(limits.triangles, number, "faces", file);
-  }
 }
 
 void check_fbx(std::string_view bytes, const ImportLimits& limits, const std::string& file) {

@@ -9,10 +9,9 @@
 
 namespace tessera::assimp {
 
-// Throw InputError at `file` if the header promises more than the bytes can hold, or than the limits allow.
+// Throw InputError at `file`: of OBJ, if it is no text; of FBX, if records overlap or reach out of the file,
+// nest too deeply, or unpack to more than file_bytes.
 void check_obj(std::string_view bytes, const std::string& file);
-void check_ply(std::string_view bytes, const ImportLimits& limits, const std::string& file);
-// Also if records overlap or reach out of the file, nest too deeply, or unpack to more than file_bytes.
 void check_fbx(std::string_view bytes, const ImportLimits& limits, const std::string& file);
 
 }  // namespace tessera::assimp

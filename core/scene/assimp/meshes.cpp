@@ -5,17 +5,11 @@
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
-#include <cmath>
-
-#include "core/error.h"
 #include "core/scene/import.h"
+#include "core/scene/srgb.h"
 
 namespace tessera::assimp {
 namespace {
-
-// IEC 61966-2-1:1999, section 5.2. Vertex colours of these formats are what the programs show that write
-// them.
-float from_srgb(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
 
 Vec3 as_vec3(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
@@ -26,15 +20,11 @@ std::vector<Vec2> uvs_of(const aiMesh& from, unsigned set) {
   return uvs;
 }
 
-void read_triangles(Mesh& mesh, const aiMesh& from, const std::string& file) {
+void read_triangles(Mesh& mesh, const aiMesh& from) {
   for (unsigned f = 0; f < from.mNumFaces; ++f) {
     const aiFace& face = from.mFaces[f];
-    if (face.mNumIndices != 3) continue;
-    mesh.triangles.push_back({face.mIndices[0], face.mIndices[1], face.mIndices[2]});
-    for (const std::uint32_t v : mesh.triangles.back())
-      if (v >= from.mNumVertices)
-        throw InputError(file,
-                         fmt::format("mesh '{}' uses vertex {} of {}", mesh.name, v, from.mNumVertices));
+    if (face.mNumIndices == 3)
+      mesh.triangles.push_back({face.mIndices[0], face.mIndices[1], face.mIndices[2]});
   }
 }
 
@@ -47,7 +37,7 @@ void warn_of_losses(Scene& scene, const aiMesh& from, const std::string& file) {
     warn_here("more than two sets of texture coordinates: the first two are used");
 }
 
-Mesh mesh_of(const Scene& scene, const aiMesh& from, const std::string& file) {
+Mesh mesh_of(const Scene& scene, const aiMesh& from) {
   Mesh mesh;
   mesh.name = from.mName.C_Str();
   if (from.mMaterialIndex < scene.materials.size()) mesh.material = static_cast<int>(from.mMaterialIndex);
@@ -55,12 +45,12 @@ Mesh mesh_of(const Scene& scene, const aiMesh& from, const std::string& file) {
     mesh.positions.push_back(as_vec3(from.mVertices[v]));
     if (from.HasNormals()) mesh.normals.push_back(as_vec3(from.mNormals[v]));
     if (!from.HasVertexColors(0)) continue;
-    const aiColor4D& c = from.mColors[0][v];
+    const aiColor4D& c = from.mColors[0][v];  // sRGB: what the programs show that write them
     mesh.colors.push_back({from_srgb(c.r), from_srgb(c.g), from_srgb(c.b), c.a});
   }
   mesh.uvs = uvs_of(from, 0);
   mesh.uvs2 = uvs_of(from, 1);
-  read_triangles(mesh, from, file);
+  read_triangles(mesh, from);
   return mesh;
 }
 
@@ -81,7 +71,7 @@ std::vector<int> add_meshes(Scene& scene, const aiScene& from, const ImportLimit
       warn(scene, fmt::format("{}: points and lines are left out", file));
       continue;
     }
-    scene.meshes.push_back(mesh_of(scene, *from.mMeshes[m], file));
+    scene.meshes.push_back(mesh_of(scene, *from.mMeshes[m]));
     warn_of_losses(scene, *from.mMeshes[m], file);
   }
   return indices;

@@ -8,7 +8,6 @@
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
 #include <cmath>
@@ -25,15 +24,28 @@
 namespace tessera {
 namespace {
 
+constexpr unsigned kProcessing =
+    aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_SortByPType | aiProcess_FlipUVs;
+
+// Its readers hand on what a file says; its processing trusts that.
+void check_indices(const aiScene& scene, const std::string& file) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[m];
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f)
+      for (unsigned i = 0; i < mesh.mFaces[f].mNumIndices; ++i)
+        if (const unsigned v = mesh.mFaces[f].mIndices[i]; v >= mesh.mNumVertices)
+          throw InputError(
+              file, fmt::format("mesh '{}' uses vertex {} of {}", mesh.mName.C_Str(), v, mesh.mNumVertices));
+  }
+}
+
 std::string_view format_of(const std::string& extension) {
-  if (extension == ".fbx") return "Autodesk FBX";
-  return extension == ".ply" ? "Stanford PLY" : "Wavefront OBJ";
+  return extension == ".fbx" ? "Autodesk FBX" : "Wavefront OBJ";
 }
 
 void check(std::string_view bytes, const std::string& extension, const ImportLimits& limits,
            const std::string& file) {
   if (extension == ".obj") assimp::check_obj(bytes, file);
-  if (extension == ".ply") assimp::check_ply(bytes, limits, file);
   if (extension == ".fbx") assimp::check_fbx(bytes, limits, file);
 }
 
@@ -69,16 +81,6 @@ Matrix to_metres_and_y_up(const aiScene& scene) {
   return std::abs(turn.determinant()) > 0.5f ? scale * turn : scale;
 }
 
-// assimp gives a PLY a grey material of its own.
-void use_vertex_colors(Scene& scene) {
-  const bool colored =
-      std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& m) { return !m.colors.empty(); });
-  for (Material& m : scene.materials) {
-    m = Material{};
-    if (colored) m.base_color = Color(1);
-  }
-}
-
 }  // namespace
 
 Scene read_with_assimp(const std::filesystem::path& file, const ImportLimits& limits,
@@ -93,8 +95,11 @@ Scene read_with_assimp(const std::filesystem::path& file, const ImportLimits& li
   importer.SetIOHandler(new assimp::CheckedFiles(std::move(bytes), file, libraries));  // the importer owns it
   const aiScene* read = nullptr;
   try {
-    read = importer.ReadFile(name, aiProcess_Triangulate | aiProcess_JoinIdenticalVertices |
-                                       aiProcess_SortByPType | aiProcess_FlipUVs);
+    read = importer.ReadFile(name, 0);
+    if (read) check_indices(*read, name);
+    if (read) read = importer.ApplyPostProcessing(kProcessing);
+  } catch (const Error&) {
+    throw;
   } catch (const std::exception& e) {
     throw InputError(name, e.what(), format_of(extension));
   }
@@ -105,7 +110,6 @@ Scene read_with_assimp(const std::filesystem::path& file, const ImportLimits& li
   const std::vector<int> meshes = assimp::add_meshes(scene, *read, limits, name);
   assimp::add_nodes(scene, *read, meshes, extension == ".fbx" ? to_metres_and_y_up(*read) : Matrix(), limits,
                     name);
-  if (extension == ".ply") use_vertex_colors(scene);
   for (const std::string& text : libraries.warnings) warn(scene, fmt::format("{}: {}", name, text));
   return scene;
 }

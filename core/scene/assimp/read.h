@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads Wavefront OBJ with its MTL material files, Autodesk FBX and Stanford PLY, through assimp.
+// Reads Wavefront OBJ with its MTL material files, and Autodesk FBX, through assimp.
 #pragma once
 
 #include <filesystem>

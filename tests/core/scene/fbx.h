@@ -92,10 +92,21 @@ inline std::string binary_fbx() {
   std::string content = "R";
   append_bytes(content, static_cast<std::uint32_t>(image.size()));
   content += image;
-  const FbxRecord geometry{"Geometry",
-                           {id(10), name("t", "Geometry"), fbx_text("Mesh")},
-                           {{"Vertices", {fbx_array<double>('d', {0, 0, 0, 100, 0, 0, 0, 100, 0})}},
-                            {"PolygonVertexIndex", {fbx_array<std::int32_t>('i', {0, 1, -3})}}}};
+  const FbxRecord geometry{
+      "Geometry",
+      {id(10), name("t", "Geometry"), fbx_text("Mesh")},
+      {{"Vertices", {fbx_array<double>('d', {0, 0, 0, 100, 0, 0, 0, 100, 0})}},
+       {"PolygonVertexIndex", {fbx_array<std::int32_t>('i', {0, 1, -3})}},
+       {"LayerElementMaterial",
+        {fbx_value('I', 0)},
+        {{"MappingInformationType", {fbx_text("AllSame")}},
+         {"ReferenceInformationType", {fbx_text("IndexToDirect")}},
+         {"Materials", {fbx_array<std::int32_t>('i', {0})}}}},
+       {"Layer",
+        {fbx_value('I', 0)},
+        {{"LayerElement",
+          {},
+          {{"Type", {fbx_text("LayerElementMaterial")}}, {"TypedIndex", {fbx_value('I', 0)}}}}}}}};
   const FbxRecord model{
       "Model", {id(20), name("t", "Model"), fbx_text("Mesh")}, {{"Version", {fbx_value('I', 232)}}}};
   const FbxRecord material{

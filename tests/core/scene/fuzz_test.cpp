@@ -5,7 +5,8 @@
 #include <random>
 
 #include "core/scene/pictures.h"
-#include "tests/core/scene/folder.h"
+#include "tests/core/scene/compressed.h"
+#include "tests/core/scene/fbx.h"
 #include "tests/core/scene/glb.h"
 
 // assimp and OpenImageIO (where libpng jumps out of it) forget memory when a file is broken. Not ours to
@@ -49,6 +50,33 @@ std::string spoilt(std::string bytes, std::mt19937& random) {
   return bytes;
 }
 
+// Everything that glTF stores in lists: instances, sparse elements, strips, colours, tracks, variants.
+GltfBuilder moving_square() {
+  GltfBuilder built;
+  const int square = built.square();
+  const int places = built.view(GltfBuilder::bytes_of<std::uint16_t>({1})),
+            values = built.view(GltfBuilder::bytes_of<float>({2, 0, 0}));
+  built.json["accessors"][0]["sparse"] = {{"count", 1},
+                                          {"indices", {{"bufferView", places}, {"componentType", 5123}}},
+                                          {"values", {{"bufferView", values}}}};
+  const int colors = built.accessor<std::uint8_t>(std::vector<std::uint8_t>(16, 99), "VEC4", true);
+  const nlohmann::json variants = {{"mappings", {{{"material", 0}, {"variants", {0}}}}}};
+  const int mesh = built.mesh({{"attributes", {{"POSITION", square}, {"COLOR_0", colors}}},
+                               {"mode", 6},
+                               {"extensions", {{"KHR_materials_variants", variants}}}});
+  built.json["materials"] = {{{"extensions", {{"KHR_materials_clearcoat", {{"clearcoatFactor", 1}}}}}}};
+  built.json["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "v"}}};
+  const nlohmann::json copies = {{"TRANSLATION", built.accessor<float>({0, 0, 0, 1, 1, 1}, "VEC3")}};
+  built.json["nodes"] = {
+      {{"mesh", mesh}, {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", copies}}}}}}};
+  const int times = built.accessor<float>({0, 1}, "SCALAR"),
+            turns = built.accessor<float>({0, 0, 0, 1, 0, 1, 0, 0}, "VEC4");
+  built.json["animations"] = {
+      {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "rotation"}}}}}},
+       {"samplers", {{{"input", times}, {"output", turns}, {"interpolation", "LINEAR"}}}}}};
+  return built;
+}
+
 struct Kind {
   std::string name;
   int rounds;
@@ -64,6 +92,13 @@ class SpoiltFile : public testing::TestWithParam<Kind> {
     folder_.write("all.json", contents(kData / "all.json"));
     folder_.write("plain.glb", glb_with_embedded_image());
     folder_.write("card.glb", glb_of(contents(kData / "card.gltf"), {}));
+    folder_.write("text.ply", kTextPly);
+    folder_.write("binary.ply", binary_ply());
+    folder_.write("text.fbx", kTextFbx);
+    folder_.write("binary.fbx", binary_fbx());
+    folder_.write("meshopt.glb", meshopt_square().bytes());
+    folder_.write("draco.glb", draco_square().bytes());
+    folder_.write("moving.glb", moving_square().bytes());
     folder_.write("textured.json", R"({"environment": {"image": "corners.png"}})");
   }
   const Folder folder_;
@@ -90,7 +125,10 @@ INSTANTIATE_TEST_SUITE_P(Scenes, SpoiltFile,
                          testing::Values(Kind{"all.json", 500}, Kind{"card.gltf", 1000},
                                          Kind{"card.glb", 1000}, Kind{"plain.glb", 1000},
                                          Kind{"card.obj", 1500}, Kind{"card.mtl", 1000},
-                                         Kind{"corners.png", 1000}),
+                                         Kind{"text.ply", 500}, Kind{"binary.ply", 500},
+                                         Kind{"text.fbx", 500}, Kind{"binary.fbx", 1000},
+                                         Kind{"meshopt.glb", 1000}, Kind{"draco.glb", 1000},
+                                         Kind{"moving.glb", 1000}, Kind{"corners.png", 1000}),
                          [](const auto& test) {
                            std::string name = test.param.name;
                            name[name.find('.')] = '_';

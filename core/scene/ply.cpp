@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/ply.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <optional>
+#include <sstream>
+
+#include "core/error.h"
+#include "core/scene/import.h"
+#include "core/scene/pictures.h"
+#include "core/scene/srgb.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::string_view kAccepted = "Stanford PLY 1.0";
+constexpr std::size_t kMaxHeader = 1'000'000, kMaxProperties = 1000;
+
+enum class Type { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+struct TypeName {
+  std::string_view name;
+  Type type;
+};
+constexpr std::array<TypeName, 16> kTypes{{{"char", Type::int8},
+                                           {"int8", Type::int8},
+                                           {"uchar", Type::uint8},
+                                           {"uint8", Type::uint8},
+                                           {"short", Type::int16},
+                                           {"int16", Type::int16},
+                                           {"ushort", Type::uint16},
+                                           {"uint16", Type::uint16},
+                                           {"int", Type::int32},
+                                           {"int32", Type::int32},
+                                           {"uint", Type::uint32},
+                                           {"uint32", Type::uint32},
+                                           {"float", Type::float32},
+                                           {"float32", Type::float32},
+                                           {"double", Type::float64},
+                                           {"float64", Type::float64}}};
+
+struct Property {
+  std::string name;
+  Type type = Type::float32;
+  std::optional<Type> count;  // of a list
+};
+
+struct Element {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<Property> properties;
+};
+
+enum class Format { text, little, big };
+
+struct Header {
+  Format format = Format::text;
+  std::vector<Element> elements;
+  std::string picture;   // of "comment TextureFile", as MeshLab writes it
+  std::size_t size = 0;  // bytes
+};
+
+class HeaderReader {
+ public:
+  HeaderReader(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {}
+
+  Header read() {
+    if (!bytes_.starts_with("ply")) refuse("does not begin with 'ply'");
+    const std::size_t end = bytes_.substr(0, kMaxHeader).find("end_header");
+    const std::size_t line_end = end == std::string_view::npos ? end : bytes_.find('\n', end);
+    if (line_end == std::string_view::npos) refuse("the header has no end");
+    header_.size = line_end + 1;
+    std::istringstream lines{std::string(bytes_.substr(0, end))};
+    bool has_format = false;
+    for (std::string line; std::getline(lines, line);) {
+      std::istringstream words(line);
+      std::string word;
+      words >> word;
+      if (word == "format") read_format(words), has_format = true;
+      if (word == "element") read_element(words);
+      if (word == "property") read_property(words);
+      if (word == "comment" && words >> word && word == "TextureFile")
+        std::getline(words >> std::ws, header_.picture);
+    }
+    while (!header_.picture.empty() && header_.picture.back() == '\r') header_.picture.pop_back();
+    if (!has_format) refuse("the header names no format");
+    return std::move(header_);
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& what) const { throw InputError(file_, what, kAccepted); }
+
+  void read_format(std::istringstream& words) {
+    std::string name;
+    words >> name;
+    if (name == "ascii")
+      header_.format = Format::text;
+    else if (name == "binary_little_endian")
+      header_.format = Format::little;
+    else if (name == "binary_big_endian")
+      header_.format = Format::big;
+    else
+      refuse(fmt::format("has the unknown format '{}'", name.substr(0, 40)));
+  }
+
+  // Each item of an element takes a byte or more.
+  void read_element(std::istringstream& words) {
+    Element element;
+    std::string count;
+    words >> element.name >> count;
+    const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), element.count);
+    if (error != std::errc() || end != count.data() + count.size())
+      refuse(
+          fmt::format("the header promises '{}' of '{}'", count.substr(0, 40), element.name.substr(0, 40)));
+    if (element.count > bytes_.size() - header_.size)
+      refuse(fmt::format("the header promises {} of '{}' in {} bytes", element.count,
+                         element.name.substr(0, 40), bytes_.size() - header_.size));
+    header_.elements.push_back(std::move(element));
+  }
+
+  void read_property(std::istringstream& words) {
+    if (header_.elements.empty()) refuse("a property belongs to no element");
+    Property property;
+    std::string type;
+    words >> type;
+    if (type == "list") {
+      words >> type;
+      property.count = type_of(type);
+      words >> type;
+    }
+    property.type = type_of(type);
+    words >> property.name;
+    std::vector<Property>& all = header_.elements.back().properties;
+    if (all.size() == kMaxProperties)
+      refuse(fmt::format("an element has more than {} properties", kMaxProperties));
+    all.push_back(std::move(property));
+  }
+
+  Type type_of(const std::string& name) const {
+    const auto it =
+        std::find_if(kTypes.begin(), kTypes.end(), [&](const TypeName& t) { return t.name == name; });
+    if (it == kTypes.end()) refuse(fmt::format("has the unknown type '{}'", name.substr(0, 40)));
+    return it->type;
+  }
+
+  std::string_view bytes_;
+  const std::string& file_;
+  Header header_;
+};
+
+// The numbers after the header, one after the other.
+class Numbers {
+ public:
+  Numbers(std::string_view bytes, Format format, const std::string& file)
+      : left_(bytes), format_(format), file_(file) {}
+
+  double next(Type type) {
+    if (format_ == Format::text) return next_word();
+    switch (type) {
+      case Type::int8:
+        return next_bytes<std::int8_t>();
+      case Type::uint8:
+        return next_bytes<std::uint8_t>();
+      case Type::int16:
+        return next_bytes<std::int16_t>();
+      case Type::uint16:
+        return next_bytes<std::uint16_t>();
+      case Type::int32:
+        return next_bytes<std::int32_t>();
+      case Type::uint32:
+        return next_bytes<std::uint32_t>();
+      case Type::float32:
+        return next_bytes<float>();
+      default:
+        return next_bytes<double>();
+    }
+  }
+
+  // How many numbers follow in a list.
+  std::uint64_t length(const Property& list) {
+    const double count = next(*list.count);
+    if (!(count >= 0 && count <= static_cast<double>(left_.size())))
+      throw InputError(file_, fmt::format("a list '{}' of {} numbers", list.name, count),
+                       "no more than the file has bytes");
+    return static_cast<std::uint64_t>(count);
+  }
+
+ private:
+  [[noreturn]] void refuse_end() const { throw InputError(file_, "the file is cut short", kAccepted); }
+
+  template <class T>
+  T next_bytes() {
+    if (left_.size() < sizeof(T)) refuse_end();
+    std::array<char, sizeof(T)> bytes;
+    std::memcpy(bytes.data(), left_.data(), sizeof(T));
+    if (format_ == Format::big) std::reverse(bytes.begin(), bytes.end());
+    left_.remove_prefix(sizeof(T));
+    return std::bit_cast<T>(bytes);
+  }
+
+  double next_word() {
+    const std::size_t begin = std::min(left_.find_first_not_of(" \t\r\n"), left_.size());
+    left_.remove_prefix(begin);
+    const std::string_view word = left_.substr(0, left_.find_first_of(" \t\r\n"));
+    if (word.empty()) refuse_end();
+    double value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc() || end != word.data() + word.size())
+      throw InputError(file_, fmt::format("'{}' is no number", word.substr(0, 40)), kAccepted);
+    left_.remove_prefix(word.size());
+    return value;
+  }
+
+  std::string_view left_;
+  Format format_;
+  const std::string& file_;
+};
+
+// A whole number is a share of the largest of its kind.
+float share(double value, Type type) {
+  if (type == Type::uint8) return static_cast<float>(value / 255);
+  if (type == Type::uint16) return static_cast<float>(value / 65535);
+  return static_cast<float>(value);
+}
+
+class Reader {
+ public:
+  Reader(const std::filesystem::path& file, const std::string& name, const ImportLimits& limits)
+      : file_(file), name_(name), limits_(limits) {}
+
+  Scene read(std::string_view bytes) {
+    const Header header = HeaderReader(bytes, name_).read();
+    Numbers numbers(bytes.substr(header.size), header.format, name_);
+    for (const Element& element : header.elements) read_element(element, numbers);
+    check_triangles();
+    scene_.name = mesh_.name = file_.stem().string();
+    Material& material = scene_.materials.emplace_back();
+    if (!mesh_.colors.empty()) material.base_color = Color(1);
+    if (!header.picture.empty()) add_picture(material, header.picture);
+    scene_.objects.emplace_back().name = mesh_.name;
+    scene_.meshes.push_back(std::move(mesh_));
+    scene_.instances.push_back({0, Matrix(), 0});
+    return std::move(scene_);
+  }
+
+ private:
+  void read_element(const Element& element, Numbers& numbers) {
+    const bool vertices = element.name == "vertex", faces = element.name == "face";
+    if (vertices)
+      require_at_most(limits_.vertices, mesh_.positions.size() + element.count, "vertices", name_);
+    if (!vertices && !faces && element.count > 0)
+      warn(scene_, fmt::format("{}: the element '{}' is left out", name_, element.name));
+    if (!element.properties.empty())
+      for (std::uint64_t i = 0; i < element.count; ++i) {
+        if (vertices)
+          read_vertex(element, numbers);
+        else
+          read_other(element, numbers, faces);
+      }
+  }
+
+  void read_vertex(const Element& element, Numbers& numbers) {
+    Vec3 position(0), normal(0);
+    Vec2 uv(0);
+    std::array<float, 4> color{0, 0, 0, 1};
+    bool has_normal = false, has_uv = false, has_color = false;
+    for (const Property& p : element.properties) {
+      if (p.count) {
+        for (std::uint64_t left = numbers.length(p); left > 0; --left) numbers.next(p.type);
+        continue;
+      }
+      const double value = numbers.next(p.type);
+      const auto is = [&](std::initializer_list<std::string_view> names) {
+        return std::find(names.begin(), names.end(), p.name) != names.end();
+      };
+      for (int c = 0; c < 3; ++c) {
+        const char axis = static_cast<char>('x' + c);
+        if (p.name == std::string(1, axis)) position[c] = static_cast<float>(value);
+        if (p.name == std::string{'n', axis}) normal[c] = static_cast<float>(value), has_normal = true;
+      }
+      if (is({"u", "s", "texture_u"})) uv.x = static_cast<float>(value), has_uv = true;
+      if (is({"v", "t", "texture_v"}))
+        uv.y = static_cast<float>(1 - value), has_uv = true;  // v points up in PLY
+      constexpr std::array<std::string_view, 3> kColors{"red", "green", "blue"};
+      for (std::size_t c = 0; c < 3; ++c)
+        if (p.name == kColors[c]) color[c] = from_srgb(share(value, p.type)), has_color = true;
+      if (p.name == "alpha") color[3] = share(value, p.type);
+    }
+    mesh_.positions.push_back(position);
+    if (has_normal) mesh_.normals.push_back(normal);
+    if (has_uv) mesh_.uvs.push_back(uv);
+    if (has_color) mesh_.colors.push_back(color);
+  }
+
+  void read_other(const Element& element, Numbers& numbers, bool faces) {
+    for (const Property& p : element.properties) {
+      const bool corners = faces && p.count && (p.name == "vertex_indices" || p.name == "vertex_index");
+      std::array<double, 2> fan{};  // the first corner and the one before
+      const std::uint64_t count = p.count ? numbers.length(p) : 1;
+      for (std::uint64_t i = 0; i < count; ++i) {
+        const double value = numbers.next(p.type);
+        if (!corners) continue;
+        if (i >= 2) add_triangle({fan[0], fan[1], value});
+        fan[i == 0 ? 0 : 1] = value;
+      }
+    }
+  }
+
+  void add_triangle(const std::array<double, 3>& corners) {
+    require_at_most(limits_.triangles, mesh_.triangles.size() + 1, "triangles", name_);
+    std::array<std::uint32_t, 3> triangle{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (!(corners[c] >= 0 && corners[c] < 4294967296.0))
+        throw InputError(name_, fmt::format("a face uses vertex {}", corners[c]), "0 and above");
+      triangle[c] = static_cast<std::uint32_t>(corners[c]);
+    }
+    mesh_.triangles.push_back(triangle);
+  }
+
+  // Vertices may come after the faces that use them.
+  void check_triangles() const {
+    for (const auto& triangle : mesh_.triangles)
+      for (const std::uint32_t v : triangle)
+        if (v >= mesh_.positions.size())
+          throw InputError(name_, fmt::format("a face uses vertex {} of {}", v, mesh_.positions.size()));
+  }
+
+  void add_picture(Material& material, const std::string& picture) {
+    PictureShelf shelf(scene_);
+    material.base_color = Color(1);
+    material.base_color_texture.picture = shelf.place(file_.parent_path() / picture, Encoding::srgb, name_);
+    const Picture& placed = scene_.pictures.back();
+    require_at_most(limits_.picture_pixels,
+                    static_cast<std::uint64_t>(placed.width) * static_cast<std::uint64_t>(placed.height),
+                    "pixels in all pictures", name_);
+  }
+
+  const std::filesystem::path& file_;
+  const std::string& name_;
+  const ImportLimits& limits_;
+  Scene scene_;
+  Mesh mesh_;
+};
+
+}  // namespace
+
+Scene read_ply(const std::filesystem::path& file, const ImportLimits& limits, std::string_view where) {
+  const std::string name = file.string(), bytes = read_file(file, limits.file_bytes, where);
+  return Reader(file, name, limits).read(bytes);
+}
+
+}  // namespace tessera
