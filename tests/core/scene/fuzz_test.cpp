@@ -6,8 +6,8 @@
 
 #include "core/scene/pictures.h"
 #include "tests/core/scene/compressed.h"
-#include "tests/core/scene/fbx.h"
 #include "tests/core/scene/glb.h"
+#include "tests/core/scene/models.h"
 
 // assimp and OpenImageIO (where libpng jumps out of it) forget memory when a file is broken. Not ours to
 // mend; ours would still be found.
@@ -125,10 +125,10 @@ INSTANTIATE_TEST_SUITE_P(Scenes, SpoiltFile,
                          testing::Values(Kind{"all.json", 500}, Kind{"card.gltf", 1000},
                                          Kind{"card.glb", 1000}, Kind{"plain.glb", 1000},
                                          Kind{"card.obj", 1500}, Kind{"card.mtl", 1000},
-                                         Kind{"text.ply", 500}, Kind{"binary.ply", 500},
-                                         Kind{"text.fbx", 500}, Kind{"binary.fbx", 1000},
-                                         Kind{"meshopt.glb", 1000}, Kind{"draco.glb", 1000},
-                                         Kind{"moving.glb", 1000}, Kind{"corners.png", 1000}),
+                                         Kind{"text.ply", 300}, Kind{"binary.ply", 500},
+                                         Kind{"text.fbx", 300}, Kind{"binary.fbx", 500},
+                                         Kind{"meshopt.glb", 500}, Kind{"draco.glb", 500},
+                                         Kind{"moving.glb", 500}, Kind{"corners.png", 1000}),
                          [](const auto& test) {
                            std::string name = test.param.name;
                            name[name.find('.')] = '_';

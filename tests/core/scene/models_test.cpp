@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Known values from PLY and FBX files, and from the materials of OBJ.
+// Known values from FBX and PLY files, and from the materials of OBJ.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tests/core/scene/fbx.h"
+#include "tests/core/scene/models.h"
 
 namespace tessera {
 namespace {
@@ -123,6 +123,35 @@ TEST(Ply, BinaryIsTheSameAsText) {
   EXPECT_EQ(binary.meshes[0].colors, text.meshes[0].colors);
 }
 
+TEST(Ply, BigEndianNormalsCoordinatesAndPicturesAreRead) {
+  std::string ply =
+      "ply\nformat binary_big_endian 1.0\ncomment TextureFile corners.png\nelement face 1\n"
+      "property list uchar uint vertex_index\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nproperty float nx\nproperty float ny\nproperty float nz\nproperty double s\n"
+      "property double t\nelement edge 1\nproperty short v\nend_header\n";
+  const auto append = [&](auto value) {
+    std::string bytes;
+    append_bytes(bytes, value);
+    ply.append(bytes.rbegin(), bytes.rend());
+  };
+  ply += '\3';
+  for (const std::uint32_t v : {0u, 1u, 2u}) append(v);
+  for (int v = 0; v < 3; ++v) {
+    for (const float f : {v == 1 ? 1.0f : 0.0f, v == 2 ? 1.0f : 0.0f, 0.0f, 0.0f, 0.0f, 1.0f}) append(f);
+    append(0.25), append(1.0);
+  }
+  append(std::int16_t{7});
+  const Folder folder;
+  folder.write("corners.png", contents(kData / "corners.png"));
+  const Scene scene = load_scene(folder.write("big.ply", ply));
+  EXPECT_THAT(scene.meshes.at(0).positions, ElementsAre(Vec3(0), Vec3(1, 0, 0), Vec3(0, 1, 0)));
+  EXPECT_THAT(scene.meshes[0].triangles, ElementsAre(Triangle{0, 1, 2}));
+  EXPECT_EQ(scene.meshes[0].normals.at(2), Vec3(0, 0, 1));
+  EXPECT_EQ(scene.meshes[0].uvs.at(0), Vec2(0.25f, 0)) << "v points up in PLY";
+  EXPECT_TRUE(scene.materials[0].base_color_texture);
+  EXPECT_THAT(scene.warnings, Contains(HasSubstr("the element 'edge' is left out")));
+}
+
 TEST(Ply, BrokenOnesAreRefusedByName) {
   const Folder folder;
   const auto refused = [&](std::string text, const std::string& from, const std::string& to) {
@@ -135,7 +164,17 @@ TEST(Ply, BrokenOnesAreRefusedByName) {
   EXPECT_THAT(refused(kTextPly, "end_header", "end_of_it"), HasSubstr("the header has no end"));
   EXPECT_THAT(refused(kTextPly, "ply", "solid"),
               HasSubstr("does not begin with 'ply'; accepted: Stanford PLY"));
-  EXPECT_THAT(refused(kTextPly, "4 0 1 2 3", "4 0 1 2 9"), HasSubstr("uses vertex 9 of 4"));
+  EXPECT_THAT(refused(kTextPly, "4 0 1 2 3", "4 0 1 2 9"), HasSubstr("a face uses vertex 9 of 4"));
+  EXPECT_THAT(refused(kTextPly, "4 0 1 2 3", "4 0 1 2 -3"), HasSubstr("a face uses vertex -3"));
+  EXPECT_THAT(refused(kTextPly, "4 0 1 2 3", "4 0 1"), HasSubstr("the file is cut short"));
+  EXPECT_THAT(refused(kTextPly, "4 0 1 2 3", "-4 0 1 2 3"),
+              HasSubstr("a list 'vertex_indices' of -4 numbers"));
+  EXPECT_THAT(refused(kTextPly, "1 1 0 255", "1 x 0 255"), HasSubstr("'x' is no number"));
+  EXPECT_THAT(refused(kTextPly, "uchar red", "bool red"), HasSubstr("has the unknown type 'bool'"));
+  EXPECT_THAT(refused(kTextPly, "ascii", "gzip"), HasSubstr("has the unknown format 'gzip'"));
+  const std::string binary = binary_ply();
+  EXPECT_THAT(refusal(folder.write("bad.ply", binary.substr(0, binary.size() - 1))),
+              HasSubstr("the file is cut short"));
 }
 
 class Fbx : public testing::Test {
