@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "core/scene/assimp/fbx_graph.h"
 
 namespace tessera::assimp {
 namespace {
@@ -25,7 +26,10 @@ class Records {
     wide_ = number(23, 4) >= 7500;
   }
 
-  void check() { check_list(kHeader, bytes_.size(), 0); }
+  void check() {
+    check_list(kHeader, bytes_.size(), 0);
+    graph_.check(limits_.node_depth, file_);
+  }
 
  private:
   [[noreturn]] void refuse(const std::string& what) const { throw InputError(file_, what, "binary FBX"); }
@@ -49,9 +53,18 @@ class Records {
       if (next > end || first > next || length > next - first)
         refuse(fmt::format("the record at byte {} reaches out of what it lies in", at));
       check_properties(first, length, properties);
+      check_meaning(bytes_.substr(first - name, name), bytes_.substr(first, length), properties);
       check_list(first + length, next, depth + 1);
       at = next;
     }
+  }
+
+  // Properties of a connection: "OO", then the ids of two objects.
+  void check_meaning(std::string_view name, std::string_view properties, std::uint64_t count) {
+    if (name == "Layer" && count == 0) refuse("a Layer has no number");
+    constexpr std::string_view kKind("S\2\0\0\0OO", 7);
+    if (name == "C" && properties.starts_with(kKind) && properties.size() == 25)
+      graph_.connect(std::string(properties.substr(8, 8)), std::string(properties.substr(17, 8)));
   }
 
   void check_properties(std::uint64_t at, std::uint64_t length, std::uint64_t count) {
@@ -108,19 +121,8 @@ class Records {
   const std::string& file_;
   bool wide_ = false;
   std::uint64_t unpacked_ = 0;
+  FbxGraph graph_;
 };
-
-// A text FBX nests by braces.
-void check_braces(std::string_view text, const std::string& file) {
-  int depth = 0;
-  bool quoted = false;
-  for (const char c : text) {
-    if (c == '"') quoted = !quoted;
-    if (!quoted && c == '{' && ++depth > kMaxDepth)
-      throw InputError(file, fmt::format("braces are nested deeper than {}", kMaxDepth));
-    if (!quoted && c == '}') --depth;
-  }
-}
 
 }  // namespace
 
@@ -129,10 +131,10 @@ void check_obj(std::string_view bytes, const std::string& file) {
 }
 
 void check_fbx(std::string_view bytes, const ImportLimits& limits, const std::string& file) {
-  if (bytes.starts_with(kBinary))
-    Records(bytes, limits, file).check();
-  else
-    check_braces(bytes, file);
+  if (bytes.starts_with(kBinary)) return Records(bytes, limits, file).check();
+  FbxGraph graph;
+  read_text_connections(graph, bytes, file);
+  graph.check(limits.node_depth, file);
 }
 
 }  // namespace tessera::assimp

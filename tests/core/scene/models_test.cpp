@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Known values from FBX and PLY files, and from the materials of OBJ.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -234,6 +235,23 @@ TEST_F(Fbx, BrokenOnesAreRefusedByName) {
   std::string deep = "FBXHeaderExtension: {\n";
   for (int i = 0; i < 100'000; ++i) deep += "a: {\n";
   EXPECT_THAT(refused(deep), HasSubstr("braces are nested deeper than 64"));
+  const auto changed = [](const std::string& from, const std::string& to) {
+    std::string text = kTextFbx;
+    return text.replace(text.find(from), from.size(), to);
+  };
+  EXPECT_THAT(refused(changed("C: \"OO\",20,0", "C: \"OO\",20,20")), HasSubstr("an object is below itself"));
+  EXPECT_THAT(refused(changed("C: \"OO\",20,0", "C:\n\"OO\" , 20,;\n10\n")),
+              HasSubstr("an object is below itself"));
+  EXPECT_THAT(refused(changed("Layer: 0 {", "Layer: {")), HasSubstr("a Layer has no number"));
+  std::string chain;
+  for (int i = 1000; i < 3000; ++i) chain += fmt::format("C: \"OO\",{},{}\n", i, i + 1);
+  EXPECT_THAT(refused(changed("C: \"OO\",20,0", chain)),
+              HasSubstr("an object is below more than 1000 others"));
+  std::string circle = good;  // the connection of the model to the root, made one to itself
+  const auto edge = circle.find(std::string("OOL\x14\0\0\0\0\0\0\0L\0", 13));
+  ASSERT_NE(edge, std::string::npos);
+  circle[edge + 12] = '\x14';
+  EXPECT_THAT(refused(circle), HasSubstr("an object is below itself"));
   std::string huge = good;  // an array of doubles that says it has 2^31 of them
   const auto at = huge.find("Vertices") + 8;
   huge.replace(at + 1, 4, std::string("\0\0\0\x80", 4));
