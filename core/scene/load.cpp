@@ -37,6 +37,7 @@ Scene load_scene(const std::filesystem::path& file, const ImportLimits& limits) 
   ImportBudget budget;
   budget.limits = limits;
   Scene scene = import_scene(file, budget);
+  require_at_most(limits.instances, scene.instances.size(), "instances", file.string());
   finish(scene, file.string());
   light_up(scene, file);
   return scene;
