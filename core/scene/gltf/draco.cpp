@@ -2,9 +2,12 @@
 #include "core/scene/gltf/draco.h"
 
 #include <draco/compression/decode.h>
+#include <draco/core/varint_decoding.h>
+#include <draco/metadata/metadata_decoder.h>
 #include <fmt/format.h>
 
-#include <cstring>
+#include <algorithm>
+#include <optional>
 
 #include "core/scene/gltf/values.h"
 
@@ -12,6 +15,33 @@ namespace tessera::gltf {
 namespace {
 
 constexpr std::string_view kAccepted = "a mesh of Draco 2.2";
+
+// A regular mesh packs well, but not better than this: faces a byte, beyond the first million.
+constexpr std::uint64_t kMaxFacesPerByte = 1000, kSmallMesh = 1'000'000;
+
+// Faces and vertices that the head of the data promises; the decoder makes room for them at once. Draco
+// bitstream 2.2, "Header" and the first numbers of its two mesh encodings: by edges a byte comes first and
+// vertices before faces, in sequence faces before points.
+struct Promised {
+  std::uint32_t faces = 0, vertices = 0;
+};
+
+std::optional<Promised> promised_by(Bytes bytes) {
+  constexpr std::size_t kHead = 11;
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (bytes.size() < kHead || !text.starts_with("DRACO\2\2\1")) return {};
+  draco::DecoderBuffer buffer;
+  buffer.Init(text.data() + kHead, text.size() - kHead, 0x0202);
+  draco::GeometryMetadata ignored;
+  if ((bytes[10] & 0x80) && !draco::MetadataDecoder().DecodeGeometryMetadata(&buffer, &ignored)) return {};
+  const bool by_edges = bytes[8] == 1;
+  std::uint8_t traversal = 0;
+  std::uint32_t first = 0, second = 0;
+  if ((by_edges && !buffer.Decode(&traversal)) || !draco::DecodeVarint(&first, &buffer) ||
+      !draco::DecodeVarint(&second, &buffer))
+    return {};
+  return by_edges ? Promised{second, first} : Promised{first, second};
+}
 
 template <class T>
 void append_values(const draco::PointAttribute& attribute, std::size_t points, bool normalized,
@@ -44,6 +74,14 @@ bool is_whole(const draco::PointAttribute& attribute, std::size_t points) {
 DracoMesh::DracoMesh(const Document& document, const tinygltf::Value& extension, std::string part)
     : document_(document), extension_(extension), part_(std::move(part)) {
   const Bytes bytes = bytes_of(document, integer(extension, "bufferView").value_or(-1));
+  const auto promised = promised_by(bytes);
+  if (!promised) document.refuse(part_, "the Draco data has no whole head", kAccepted);
+  const std::string file = document.file.string();
+  require_at_most(document.limits.triangles, promised->faces, "triangles", file);
+  require_at_most(document.limits.vertices, promised->vertices, "vertices", file);
+  if (std::max(promised->faces, promised->vertices) > kSmallMesh + kMaxFacesPerByte * bytes.size())
+    document.refuse(part_, fmt::format("{} faces and {} vertices cannot lie in {} bytes of Draco data",
+                                       promised->faces, promised->vertices, bytes.size()));
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   std::string reason;

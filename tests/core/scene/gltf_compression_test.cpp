@@ -104,6 +104,12 @@ TEST(GltfDraco, BrokenDataIsRefusedWithItsPlace) {
   GltfBuilder cut = built;
   cut.json["bufferViews"][0]["byteLength"] = 30;
   EXPECT_THAT(cut.refused(), HasSubstr("meshes/0: the Draco data cannot be decoded"));
+  cut.json["bufferViews"][0]["byteLength"] = 10;
+  EXPECT_THAT(cut.refused(), HasSubstr("meshes/0: the Draco data has no whole head"));
+  GltfBuilder huge = built;
+  const std::string head("DRACO\2\2\1\1\0\0\0\4\xff\xff\xff\x7f", 17);  // 4 vertices, 2^28 - 1 faces
+  huge.binary.replace(huge.json["bufferViews"][0]["byteOffset"].get<std::size_t>(), head.size(), head);
+  EXPECT_THAT(huge.refused(), HasSubstr("268435455 faces and 4 vertices cannot lie in"));
   GltfBuilder nothing = built;
   nothing.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]["attributes"]
               ["POSITION"] = 7;
