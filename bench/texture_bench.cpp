@@ -152,7 +152,7 @@ void bench_memory(const Options& o) {
   const auto scene = std::make_shared<const Scene>(load_scene(o.folder / "scene.json"));
   report_memory("loaded", seconds_since(begin));
   begin = Clock::now();
-  const auto ready = prepare(scene, cache);
+  const auto ready = prepare(scene, {}, 0, cache);
   report_memory("prepared", seconds_since(begin));
   begin = Clock::now();
   const RenderSettings settings{.size = {960, 960}, .max_bounces = 1};
