@@ -230,7 +230,8 @@ void Integrator::go_on(Path& path, const BsdfSample& s) const {
   const Color weight = s.weight();
   path.throughput *= weight;
   path.radiance_scale *= s.radiance_scale;
-  for (int c = 0; c < 3; ++c) path.diffuse_share[c] = weight[c] > 0 ? s.diffuse[c] / weight[c] : 0;
+  if (scene_.parts_light())
+    for (int c = 0; c < 3; ++c) path.diffuse_share[c] = weight[c] > 0 ? s.diffuse[c] / weight[c] : 0;
   if (s.crossed) path.absorption = dot(s.wi, path.surface.ng) < 0 ? path.bsdf.absorption : Color(0, 0, 0);
   if (s.pdf > 0) {
     path.rough = true;
@@ -317,15 +318,24 @@ void Integrator::last_hits(int bounce, SampleBlock& out) {
   }
 }
 
-// All lanes first, for they wait for memory at the same time then.
+// All lanes first, and memory asked before it is needed: the lanes wait for it at the same time then.
 void Integrator::find_surfaces() {
-  for (int lane = 0; lane < kLanes; ++lane) {
-    Path& path = paths_[static_cast<std::size_t>(lane)];
-    if (!path.alive || !rays_.hit(lane)) continue;
-    path.hit = rays_.at(lane);
-    path.width += path.spread * rays_.distance(lane);
-    path.surface =
-        scene_.geometry().surface(path.hit, path.origin, path.direction, rays_.distance(lane), path.ray.time);
+  const Geometry& geometry = scene_.geometry();
+  std::array<std::size_t, kLanes> hits;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const int lane = static_cast<int>(i);
+    if (!paths_[i].alive || !rays_.hit(lane)) continue;
+    hits[count++] = i;
+    paths_[i].hit = rays_.at(lane);
+    geometry.prefetch_indices(paths_[i].hit);
+  }
+  for (std::size_t k = 0; k < count; ++k) geometry.prefetch_corners(paths_[hits[k]].hit);
+  for (std::size_t k = 0; k < count; ++k) {
+    Path& path = paths_[hits[k]];
+    const float distance = rays_.distance(static_cast<int>(hits[k]));
+    path.width += path.spread * distance;
+    path.surface = geometry.surface(path.hit, path.origin, path.direction, distance, path.ray.time);
     path.surface.cone = path.width;
   }
 }
@@ -357,7 +367,7 @@ void Integrator::find_sky(Path& path, int lane, int bounce, SampleBlock& out) co
 Contribution Integrator::arriving(const Path& path, const Emitted& found) const {
   Color light = path.throughput * found.radiance;
   const LightTraits& t = *found.traits;
-  if (path.vertices > 0 && (t.diffuse != 1 || t.specular != 1))
+  if (path.vertices > 0 && scene_.parts_light())
     light *= path.diffuse_share * t.diffuse + (Color(1, 1, 1) - path.diffuse_share) * t.specular;
   return {light, luminance(found.radiance), found.traits};
 }

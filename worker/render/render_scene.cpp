@@ -24,6 +24,23 @@ tracer::Shutter shutter_for(const Scene& scene, const RenderSettings& settings, 
   return tracer::shutter_of(scene, scene.cameras[camera], frame);
 }
 
+bool weighs_lobes(const Scene& scene) {
+  const auto parts = [](const auto& thing) { return thing.light.diffuse != 1 || thing.light.specular != 1; };
+  const auto any = [&](const auto& things) { return std::any_of(things.begin(), things.end(), parts); };
+  return any(scene.points) || any(scene.spots) || any(scene.suns) || any(scene.objects) ||
+         parts(scene.environment);
+}
+
+// The scene with the materials of a variant.
+std::shared_ptr<const Scene> varied(std::shared_ptr<const Scene> scene, std::string_view name) {
+  const Variant* variant = variant_of(*scene, name);
+  if (!variant) return scene;
+  auto other = std::make_shared<Scene>(*scene);
+  for (const Variant::Choice& c : variant->choices)
+    other->meshes[static_cast<std::size_t>(c.mesh)].material = c.material;
+  return other;
+}
+
 // Whether a surface of this opacity is there for a ray. Every ray and every surface decides for itself.
 bool there(float opacity, const tracer::Hit& hit, std::uint32_t seed) {
   if (opacity >= 1) return true;
@@ -58,7 +75,8 @@ RenderScene::RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shu
       lights_(*scene_, geometry_, materials_, diameter_ / 2, choice),
       moves_(false),
       blends_(any_material(*scene_, [](const Material& m) { return m.alpha == Material::Alpha::blend; })),
-      shows_unlit_(any_material(*scene_, [](const Material& m) { return m.kind == Material::Kind::unlit; })) {
+      shows_unlit_(any_material(*scene_, [](const Material& m) { return m.kind == Material::Kind::unlit; })),
+      parts_light_(weighs_lobes(*scene_)) {
   for (std::uint32_t i = 0; i < geometry_.pieces.size(); ++i) moves_ |= geometry_.steps(i) > 1;
 }
 
@@ -77,8 +95,8 @@ Vec3 RenderScene::one_frame_before(const tracer::Hit& hit, const Vec3& position)
 std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene> scene, const RenderSettings& settings,
                                            int frame, std::shared_ptr<tracer::TextureCache> cache) {
   const tracer::Shutter shutter = shutter_for(*scene, settings, frame);
-  return std::make_shared<RenderScene>(std::move(scene), shutter, tracer::LightChoice::tree,
-                                       std::move(cache));
+  return std::make_shared<RenderScene>(varied(std::move(scene), settings.variant), shutter,
+                                       tracer::LightChoice::tree, std::move(cache));
 }
 
 std::string preparation(const Scene& scene, const RenderSettings& settings, int frame) {

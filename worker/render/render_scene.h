@@ -27,8 +27,9 @@ class RenderScene {
   const tracer::Bvh& bvh() const { return bvh_; }
   const tracer::Lights& lights() const { return lights_; }
   float diameter() const { return diameter_; }
-  bool moves() const { return moves_; }    // something, while the shutter is open
-  bool blends() const { return blends_; }  // there are surfaces that are there by chance
+  bool moves() const { return moves_; }              // something, while the shutter is open
+  bool blends() const { return blends_; }            // there are surfaces that are there by chance
+  bool parts_light() const { return parts_light_; }  // a light counts differently for diffuse and specular
   bool shows_unlit() const { return shows_unlit_; }
 
   // Where a point of a surface, as it is at the middle of the shutter, was one frame earlier.
@@ -42,7 +43,7 @@ class RenderScene {
   tracer::Bvh bvh_;
   float diameter_;
   tracer::Lights lights_;
-  bool moves_, blends_, shows_unlit_;
+  bool moves_, blends_, shows_unlit_, parts_light_;
 };
 
 }  // namespace tessera
