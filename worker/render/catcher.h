@@ -2,81 +2,77 @@
 // Shadow catchers: surfaces of which the camera sees only how much of their light something takes away.
 #pragma once
 
-#include <optional>
-
+#include "worker/render/bvh.h"
 #include "worker/render/light/lights.h"
-
-namespace tessera::tracer {
-
-// One way along which a surface point gets light, chosen with the probability of its share of the irradiance
-// if nothing were in between: so it is free with the probability (irradiance) / (irradiance without shadows).
-struct LightWay {
-  Vec3 direction;
-  Vec3 target;  // unless infinite
-  bool infinite;
-};
-
-// By resampled importance sampling (Talbot et al. 2005) among kCandidates ways to lights and as many cosine
-// distributed directions to the sky: exact only in the limit of many candidates. `random(i)` is the i-th pair
-// of numbers in [0, 1)^2 of this choice. Nothing if no light reaches the point even without shadows.
-inline constexpr int kCatcherCandidates = 8;
-
-template <class Random>
-std::optional<LightWay> choose_light_way(const Lights& lights, const Vec3& position, const Vec3& normal,
-                                         float time, const Random& random);
-
-}  // namespace tessera::tracer
-
 #include "worker/render/warp.h"
 
 namespace tessera::tracer {
 
-// Keeps one of a stream, each with the probability of its share of the weights (Chao 1982).
-class Reservoir {
+// Ways along which a surface point may get light, half of them to lights and half cosine distributed to the
+// sky, and the luminance of the irradiance that each stands for if nothing is in between.
+class LightWays {
  public:
-  explicit Reservoir(float u) : u_(u) {}
+  // `random(i)` is the i-th pair of numbers in [0, 1)^2 of this choice.
+  template <class Random>
+  LightWays(const Lights& lights, const Vec3& position, const Vec3& normal, float time, const Random& random);
 
-  void offer(const LightWay& way, float weight) {
-    if (!(weight > 0)) return;
-    sum_ += weight;
-    const float chance = weight / sum_;
-    if (u_ < chance) {
-      kept_ = way;
-      u_ /= chance;
-    } else {
-      u_ = (u_ - chance) / (1 - chance);
-    }
-  }
-  const std::optional<LightWay>& kept() const { return kept_; }
+  // Sends a shadow ray along each from `origin(direction)`. The share of the light that comes through; 1 if
+  // there is none. A ratio of two estimates: exact only in the limit of many ways.
+  template <class Origin>
+  float share_let_through(const Bvh& bvh, const RayTraits& traits, const Origin& origin) const;
 
  private:
-  float u_, sum_ = 0;
-  std::optional<LightWay> kept_;
+  struct Way {
+    Vec3 direction;
+    Vec3 target;  // unless infinite
+    bool infinite;
+    float light = 0;
+  };
+  std::array<Way, kLanes> ways_;
 };
 
 template <class Random>
-std::optional<LightWay> choose_light_way(const Lights& lights, const Vec3& position, const Vec3& normal,
-                                         float time, const Random& random) {
-  Reservoir reservoir(random(0).x);
+LightWays::LightWays(const Lights& lights, const Vec3& position, const Vec3& normal, float time,
+                     const Random& random) {
   const Frame frame(normal);
-  for (int i = 0; i < kCatcherCandidates; ++i) {
+  for (int i = 0; i < kLanes; i += 2) {
+    Way& lamp = ways_[static_cast<std::size_t>(i)];
     if (!lights.empty()) {
-      const LightSample s = lights.sample(position, normal, random(3 * i + 1).x, random(3 * i + 2), time);
+      const LightSample s = lights.sample(position, normal, random(2 * i).x, random(2 * i + 1), time);
       const float cosine = dot(s.direction, normal);
-      if (s.pdf > 0 && cosine > 0) {
-        // The sky is found by both kinds of candidates, all else by this one only.
-        const float share = s.infinite && !s.delta ? power_heuristic(s.pdf, cosine * kInvPi) : 1.0f;
-        reservoir.offer({s.direction, s.target, s.infinite}, luminance(s.radiance) * cosine * share / s.pdf);
-      }
+      lamp = {s.direction, s.target, s.infinite};
+      // The sky is found by both kinds of ways, all else by this one only.
+      const float share = s.infinite && !s.delta ? power_heuristic(s.pdf, cosine * kInvPi) : 1.0f;
+      if (s.pdf > 0 && cosine > 0) lamp.light = luminance(s.radiance) * cosine * share / s.pdf;
     }
-    const Vec3 local = cosine_hemisphere(random(3 * i + 3));
-    const Vec3 direction = frame.to_world(local);
-    float sky = 0;
-    lights.escaped({position, normal, local.z * kInvPi}, direction,
-                   [&](const Emitted& e) { sky += luminance(e.radiance); });
-    reservoir.offer({direction, {}, true}, sky * kPi);
+    Way& sky = ways_[static_cast<std::size_t>(i + 1)];
+    const Vec3 local = cosine_hemisphere(random(2 * i + 2));
+    sky = {frame.to_world(local), {}, true};
+    lights.escaped({position, normal, local.z * kInvPi}, sky.direction,
+                   [&](const Emitted& e) { sky.light += luminance(e.radiance) * kPi; });
   }
-  return reservoir.kept();
+}
+
+template <class Origin>
+float LightWays::share_let_through(const Bvh& bvh, const RayTraits& traits, const Origin& origin) const {
+  ShadowPacket rays;
+  float all = 0;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const Way& way = ways_[static_cast<std::size_t>(lane)];
+    rays.active[lane] = 0;
+    if (!(way.light > 0)) continue;
+    const Vec3 from = origin(way.direction);
+    way.infinite ? rays.set(lane, from, way.direction, std::numeric_limits<float>::infinity(), traits)
+                 : rays.set(lane, from, way.target - from, 1, traits);
+    all += way.light;
+  }
+  if (!(all > 0)) return 1;
+  bvh.occluded(rays);
+  float through = 0;
+  for (int lane = 0; lane < kLanes; ++lane)
+    if (rays.active[lane] != 0 && !rays.occluded(lane))
+      through += ways_[static_cast<std::size_t>(lane)].light;
+  return through / all;
 }
 
 }  // namespace tessera::tracer

@@ -64,12 +64,13 @@ void Guides::sky(const Path& path, int lane, SampleBlock& out) const {
   if (vectors_) vector_part(SampleVector::position, lane, far, out);
 }
 
-void Guides::caught(const Path&, int lane, bool shadowed, SampleBlock& out) const {
+void Guides::caught(const Path& path, int lane, float shadow, SampleBlock& out) const {
   out.set(Aov::albedo, lane, Vec3(1, 1, 1));
   if (vectors_) vector_part(SampleVector::albedo, lane, Vec3(1, 1, 1), out);
-  if (shadowed) return;
-  out.hit[static_cast<std::size_t>(lane)] = 0;
-  out.set(Aov::depth, lane, 0.0f);
+  out.hit[static_cast<std::size_t>(lane)] = shadow;
+  if (out.has(Aov::depth))
+    out.set(Aov::depth, lane, shadow * views_.now.depth(path.surface.position, path.ray.time));
+  if (shadow > 0) return;
   out.set(Aov::object_matte, lane, 0.0f);
   out.set(Aov::material_matte, lane, 0.0f);
 }

@@ -25,8 +25,8 @@ class Guides {
   // Of the camera ray of path `lane`: what it hit (surface and bsdf are there), or that it hit nothing.
   void first_hit(const Path& path, int lane, SampleBlock& out) const;
   void sky(const Path& path, int lane, SampleBlock& out) const;
-  // Instead of what first_hit() said of a shadow catcher: it is the backdrop, more or less dark.
-  void caught(const Path& path, int lane, bool shadowed, SampleBlock& out) const;
+  // Instead of what first_hit() said of a shadow catcher: it is the backdrop, covered by `shadow` (0..1).
+  void caught(const Path& path, int lane, float shadow, SampleBlock& out) const;
   // The path left the first hit, along its direction.
   void first_bounce(const Path& path, int lane, SampleBlock& out) const;
   // The path hit something after scattering `bounce` + 1 times. Closes its search for texture2 if this is it.

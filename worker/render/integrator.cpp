@@ -175,25 +175,16 @@ void Integrator::catch_shadow(const Turn& turn, int lane, SampleBlock& out) {
   Path& path = paths_[static_cast<std::size_t>(lane)];
   path.alive = false;
   const auto i = static_cast<std::size_t>(lane);
-  const std::optional<LightWay> way = choose_light_way(
+  const LightWays ways(
       scene_.lights(), path.surface.position, path.bsdf.frame.z, path.ray.time, [&](int pair) {
         return random_pair(turn.keys[i], turn.index, kCatcherSet + static_cast<std::uint32_t>(pair));
       });
-  if (way) {
-    const Vec3 origin = leaving(path.surface, way->direction);
-    const RayTraits ray = traits(turn, lane, 0, RayKind::shadow);
-    clear(shadows_);
-    if (way->infinite)
-      shadows_.set(lane, origin, way->direction, kFar, ray);
-    else
-      shadows_.set(lane, origin, way->target - origin, 1, ray);
-    scene_.bvh().occluded(shadows_);
-  }
-  const bool shadowed = way && shadows_.occluded(lane);
-  guides_.caught(path, lane, shadowed, out);
-  if (shadowed) return;
-  path.direct = backdrop_;
-  scene_.lights().backdrop(path.direction, [&](const Emitted& e) { path.direct += e.radiance; });
+  const float light =
+      ways.share_let_through(scene_.bvh(), traits(turn, lane, 0, RayKind::shadow),
+                             [&](const Vec3& direction) { return leaving(path.surface, direction); });
+  guides_.caught(path, lane, 1 - light, out);
+  path.direct = backdrop_ * light;
+  scene_.lights().backdrop(path.direction, [&](const Emitted& e) { path.direct += e.radiance * light; });
 }
 
 // What an unlit surface shows to the camera, also in a mirror. It is the end of the path.
