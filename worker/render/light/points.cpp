@@ -12,6 +12,12 @@ float sphere_versine(float radius2, float distance2) {
   return sin2 / (1.0f + root(1.0f - sin2));
 }
 
+// Not inside, nor within rounding on the sphere: from there the cone's near side would be p itself.
+bool is_outside(const Sphere& s, float distance2) {
+  const float largest = std::max({std::abs(s.center.x), std::abs(s.center.y), std::abs(s.center.z)});
+  return distance2 > square(s.radius + 1e-5f * (s.radius + largest));
+}
+
 // The point as p sees it, its pdf as if drawn by the area; none if p is on the surface's plane.
 MaybePoint seen(const Vec3& p, const Vec3& position, const Vec3& normal, const Vec2& uv, float area) {
   const Vec3 way = position - p;
@@ -86,8 +92,9 @@ MaybePoint sample_triangle(const Triangle& t, const Vec3& p, const Vec2& u) {
 MaybePoint sample_sphere(const Sphere& sphere, const Vec3& p, const Vec2& u) {
   const Vec3 to_center = sphere.center - p;
   const float distance2 = dot(to_center, to_center), radius2 = square(sphere.radius);
+  const bool outside = is_outside(sphere, distance2);
   Vec3 normal;
-  if (distance2 <= radius2) {
+  if (!outside) {
     normal = cone(u, 2.0f);
   } else {
     const Vec3 d = Frame(unit(to_center)).to_world(cone(u, sphere_versine(radius2, distance2)));
@@ -97,14 +104,14 @@ MaybePoint sample_sphere(const Sphere& sphere, const Vec3& p, const Vec2& u) {
   }
   MaybePoint point =
       seen(p, sphere.center + normal * sphere.radius, normal, sphere_uv(normal), 4 * kPi * radius2);
-  if (point && distance2 > radius2) point->pdf = 1.0f / (2 * kPi * sphere_versine(radius2, distance2));
+  if (point && outside) point->pdf = 1.0f / (2 * kPi * sphere_versine(radius2, distance2));
   return point;
 }
 
 float sphere_pdf(const Sphere& sphere, const Vec3& p, float distance2, float cosine) {
   const Vec3 to_center = sphere.center - p;
   const float center2 = dot(to_center, to_center), radius2 = square(sphere.radius);
-  if (center2 > radius2) return 1.0f / (2 * kPi * sphere_versine(radius2, center2));
+  if (is_outside(sphere, center2)) return 1.0f / (2 * kPi * sphere_versine(radius2, center2));
   return area_pdf(distance2, cosine, 4 * kPi * radius2);
 }
 
