@@ -64,6 +64,78 @@ TEST(Furnace, GlossyAndMetalSurfacesAddNoLight) {
   }
 }
 
+struct Kindred {
+  const char* name;
+  std::vector<Material> materials;  // the last is looked at
+  bool lossless_if_smooth = false, lossless = false;
+};
+
+// White materials of every kind.
+std::vector<Kindred> white_materials(float roughness) {
+  using enum Material::Kind;
+  const Color white(1, 1, 1), half(0.5f, 0.5f, 0.5f);
+  const auto of = [&](Material::Kind kind) {
+    return Material{.kind = kind, .base_color = white, .roughness = roughness};
+  };
+  const auto gltf = [&](auto&& change) {
+    Material m = of(metallic_roughness);
+    change(m);
+    return std::vector<Material>{m};
+  };
+  Material sheet = of(glass), cloth = of(translucent), perfect = of(metal), lobe = of(metal);
+  sheet.thin = true;
+  cloth.base_color = half, cloth.transmission_color = half;
+  perfect.eta = lobe.eta = Color(0, 0, 0), perfect.k = lobe.k = white;  // reflects all, at every angle
+  lobe.exponent = roughness > 0 ? 2 / (roughness * roughness) : 1e6f;
+  const Material blend{.kind = mix, .first = 0, .second = 1, .mix = 0.3f};
+  return {
+      {"diffuse", {of(diffuse)}, true, true},
+      {"mirror", {of(mirror)}, true, true},
+      {"translucent", {cloth}, true, true},
+      {"glass", {of(glass)}, true},
+      {"thin glass", {sheet}, true},
+      {"metal", {perfect}, true},
+      {"copper", {of(metal)}},
+      {"cosine lobe", {lobe}},
+      {"plastic", {of(plastic)}, true},
+      {"mix of plastic and metal", {of(plastic), perfect, blend}, true},
+      {"mix of glass and paint", {of(glass), of(diffuse), blend}, true},
+      {"glTF metal", gltf([](Material& m) { m.metallic = 1; })},
+      {"glTF dielectric", gltf([](Material&) {})},
+      {"glTF half metal", gltf([](Material& m) { m.metallic = 0.5f; })},
+      {"glTF transmission", gltf([](Material& m) { m.transmission = 1; }), true},
+      {"glTF thin transmission", gltf([](Material& m) { m.transmission = 1, m.thin = true; }), true},
+      {"glTF half transmission", gltf([](Material& m) { m.transmission = 0.5f; })},
+      {"glTF coat", gltf([&](Material& m) { m.clearcoat = 1, m.clearcoat_roughness = roughness; })},
+      {"glTF sheen", gltf([&](Material& m) { m.sheen_color = white, m.sheen_roughness = roughness; })},
+      {"glTF coat and sheen",
+       gltf([&](Material& m) { m.clearcoat = 0.5f, m.sheen_color = half, m.sheen_roughness = roughness; })},
+  };
+}
+
+// A sphere in a sky of radiance 1, of which the rest of the frame shows: no brighter, and where nothing is
+// lost not there.
+TEST(Furnace, NoKindOfMaterialAddsLightAtAnyRoughness) {
+  for (const float roughness : {0.0f, 0.1f, 0.3f, 0.6f, 1.0f})
+    for (const Kindred& k : white_materials(roughness)) {
+      Scene scene;
+      scene.materials = k.materials;
+      scene.spheres.push_back({{0, 0, 0}, 1, static_cast<int>(k.materials.size()) - 1});
+      scene.environment.radiance = Color(1, 1, 1);
+      scene.cameras = {camera_at({0, 0, 5}, {0, 0, 0}, 1)};
+      scene.cameras[0].projection = Camera::Projection::orthographic;
+      scene.cameras[0].height = 2;
+      const Measured m = measure(scene, 16, 32, 100);
+      const bool whole = k.lossless || (k.lossless_if_smooth && roughness == 0);
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_LE(m.mean[c], 1 + 4 * m.error[c] + 1e-4) << k.name << " of roughness " << roughness;
+        if (whole) {
+          EXPECT_GE(m.mean[c], 1 - 4 * m.error[c] - 1e-4) << k.name << " of roughness " << roughness;
+        }
+      }
+    }
+}
+
 // A closed room whose walls all emit e and reflect r: light that was reflected n times is e r^n, everywhere.
 Scene closed_room(float emission, float reflectance) {
   Scene scene;
