@@ -33,10 +33,88 @@ Scene coplanar() {
   return scene;
 }
 
+// One picture of everything that takes randomness, memory or a choice on its way: textures, mixes, coats,
+// glass, blends, lights of all kinds and more of them than one, what moves, a lens, a catcher, light groups.
+int add_picture(Scene& scene, int channels) {
+  Picture p{"noise", 16, 8, channels, {}};
+  std::mt19937 engine(5);
+  for (int i = 0; i < 16 * 8 * channels; ++i)
+    p.pixels.push_back(static_cast<float>(engine() >> 8) * 0x1p-24f);
+  scene.pictures.push_back(std::move(p));
+  return static_cast<int>(scene.pictures.size()) - 1;
+}
+
+void add_surfaces(Scene& scene) {
+  using enum Material::Kind;
+  const Texture noise{.picture = add_picture(scene, 4)};
+  Material gltf{.kind = metallic_roughness, .base_color_texture = noise, .metallic_roughness_texture = noise};
+  gltf.normal_texture = gltf.sheen_color_texture = gltf.clearcoat_texture = noise;
+  gltf.metallic = gltf.transmission = gltf.clearcoat = 0.5f;
+  gltf.sheen_color = Color(0.3f, 0.2f, 0.1f);
+  Material veil{.kind = translucent, .base_color_texture = noise, .alpha = Material::Alpha::blend};
+  veil.transmission_color = Color(0.1f, 0.2f, 0.1f);
+  const Material solid{.kind = glass,
+                       .roughness = 0.2f,
+                       .attenuation_color = Color(0.5f, 0.9f, 0.3f),
+                       .attenuation_distance = 1};
+  const int first = add_material(scene, {.kind = plastic, .base_color_texture = noise, .roughness = 0.3f});
+  for (const Material& m : {gltf, veil, solid, Material{.kind = unlit}}) add_material(scene, m);
+  const int mixed = add_material(
+      scene, {.kind = mix, .first = first, .second = first + 1, .mix = 0.6f, .mix_texture = noise});
+  add_mesh(scene, grid({-3, 0.01f, 3}, {6, 0, 0}, {0, 0, -6}, 3, mixed));
+  add_mesh(scene, grid({-1, 0.2f, 1}, {1, 0, 0}, {0, 1, -1}, 2, first + 2));
+  scene.spheres.push_back({{0.8f, 0.5f, 0.8f}, 0.5f, first + 3});
+  scene.quads.push_back({{-2, 0, 0.5f}, {0.5f, 0, 0}, {0, 1, 0}, first + 4});
+}
+
+void add_lights(Scene& scene) {
+  scene.light_groups = {"warm", "cold"};
+  const int lamp = add_material(scene, {.emission = Color(4, 3, 2)});
+  const int lit = static_cast<int>(scene.objects.size());
+  scene.objects.push_back({.name = "lit", .light = {.group = 0, .diffuse = 0.5f}});
+  scene.quads.push_back({{-1, 3, -1}, {1, 0, 0}, {0, 0, 1}, lamp, lit});
+  scene.disks.push_back({{1, 3, 0}, {0, -1, 0}, 0.3f, lamp, lit});
+  scene.spheres.push_back({{1.5f, 1.5f, -1}, 0.2f, lamp, lit});
+  for (int i = 0; i < 12; ++i)
+    scene.points.push_back({{static_cast<float>(i) / 2 - 3, 2, 1}, {0.2f, 0.1f, 0.3f}, {.group = 1}});
+  scene.spots.push_back({{0, 3, 2}, {0, -1, 0}, {2, 2, 2}, 0.2f, 0.5f});
+  scene.environment.picture = add_picture(scene, 3);
+}
+
+Scene everything() {
+  Scene scene = coplanar();
+  add_surfaces(scene);
+  add_lights(scene);
+  scene.tracks = {{{0, 1}, {Matrix(), Matrix().translate(Vec3(2, 1, 0))}},
+                  {{0, 1}, {Matrix(), Matrix().translate(Vec3(-1, 0, 0))}}};
+  scene.frames_per_second = 4;
+  scene.objects.push_back({.name = "moving", .track = 0});
+  scene.objects.push_back({.name = "catcher", .catcher = true});
+  scene.instances[scene.instances.size() - 1].object = 1;
+  scene.instances[4].object = 2;
+  Camera& camera = scene.cameras[0];
+  camera.lens_radius = 0.05f, camera.focus_distance = 3, camera.blades = 5;
+  camera.shutter_open = 0, camera.shutter_close = 0.5f, camera.track = 1;
+  return scene;
+}
+
 RenderSettings settings() { return {.size = kFrame, .seed = 7, .max_bounces = 3, .aovs = all_aovs()}; }
 
-TEST(Render, GivesTheSameBitsForAnySplitOfTheRegion) {
-  const auto scene = prepared(coplanar());
+std::shared_ptr<const RenderScene> ready(const Scene& scene, int frame) {
+  return prepare(std::make_shared<const Scene>(scene), settings(), frame);
+}
+
+// What both scenes promise.
+class SameBits : public ::testing::TestWithParam<Scene (*)()> {
+ protected:
+  const Scene scene_ = GetParam()();
+};
+INSTANTIATE_TEST_SUITE_P(Render, SameBits, ::testing::Values(coplanar, everything), [](const auto& which) {
+  return std::string(which.param == coplanar ? "Ties" : "Everything");
+});
+
+TEST_P(SameBits, ForAnySplitOfTheRegion) {
+  const auto scene = ready(scene_, 3);
   const Image whole = render(*scene, settings(), 3, kWhole, {0, 8}).sums;
   for (const Size tile : {Size{1, 1}, Size{5, 3}, Size{16, 16}, Size{37, 1}, Size{13, 29}}) {
     Image pieces(kWhole, whole.planes());
@@ -46,8 +124,8 @@ TEST(Render, GivesTheSameBitsForAnySplitOfTheRegion) {
   }
 }
 
-TEST(Render, GivesTheSameBitsForAnySplitOfTheSamples) {
-  const auto scene = prepared(coplanar());
+TEST_P(SameBits, ForAnySplitOfTheSamples) {
+  const auto scene = ready(scene_, 0);
   const Region part{3, 2, 20, 17};
   const Block whole = render(*scene, settings(), 0, part, {32, 64});
   for (const int length : {8, 16}) {
@@ -67,9 +145,9 @@ TEST(Render, GivesTheSameBitsForAnySplitOfTheSamples) {
   }
 }
 
-TEST(Render, GivesTheSameBitsInEveryThreadAndForEveryPreparationOfTheScene) {
-  const Image whole = render(*prepared(coplanar()), settings(), 0, kWhole, {0, 8}).sums;
-  const auto scene = prepared(coplanar());
+TEST_P(SameBits, InEveryThreadAndForEveryPreparationOfTheScene) {
+  const Image whole = render(*ready(scene_, 0), settings(), 0, kWhole, {0, 8}).sums;
+  const auto scene = ready(scene_, 0);
   std::vector<Image> images(3);
   std::vector<std::thread> threads;
   for (Image& image : images)
