@@ -48,6 +48,25 @@ TEST(Warp, TheLensIsUniformAndItsRaysMeetAtTheFocus) {
   EXPECT_LT(length(focus({0.1f, 0.9f}) - focus({0.7f, 0.3f})), 1e-5f);
 }
 
+// In units of a square about the unit circle; a regular polygon of n corners has the area n/2 sin(2 pi / n).
+TEST(Warp, TheLensOfBladesIsUniformOnItsPolygon) {
+  for (const int blades : {3, 5, 8}) {
+    const Camera camera{.lens_radius = 0.5f, .blades = blades, .blade_rotation = 0.3f};
+    const CameraRays rays({}, camera, {64, 32}, 0, 0);
+    const double slice = 2 * std::numbers::pi / blades, area = blades / 2.0 * std::sin(slice);
+    const auto density = [=](double x, double y) {
+      const double a = 2 * x - 1, b = 2 * y - 1;
+      const double turned = std::remainder(std::atan2(b, a) - 0.3 - slice / 2, slice);
+      return std::hypot(a, b) * std::cos(turned) <= std::cos(slice / 2) ? 4 / area : 0.0;
+    };
+    const auto on_lens = [&](const Vec2& u) {
+      const Ray r = rays.ray(20, 9, u, 0);
+      return Vec2(r.origin.x, r.origin.y) + Vec2(0.5f, 0.5f);
+    };
+    expect_follows(drawn(on_lens), kTries, density, "blades", 16, 200);
+  }
+}
+
 TEST(Warp, CosineConesAndTrianglesFollowTheirDensities) {
   expect_follows(drawn([](const Vec2& u) { return on_square(cosine_hemisphere(u)); }), kTries,
                  on_sphere([](const Vec3& d) { return std::max(0.0, d.z / std::numbers::pi); }), "cosine");
