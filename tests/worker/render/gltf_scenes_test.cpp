@@ -54,6 +54,24 @@ TEST_F(GltfScene, SpotsShineInTheirCone) {
   EXPECT_EQ(aside(0.41), 0);
 }
 
+TEST_F(GltfScene, VariantsAreChosenByTheSettings) {
+  const int grey = material(unlit({0.5, 0.5, 0.5, 1})), red = material(unlit({1, 0, 0, 1})),
+            blue = material(unlit({0, 0, 1, 1})), mesh = square(grey);
+  built_.json["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "red"}}, {{"name", "blue"}}};
+  built_.json["meshes"][static_cast<std::size_t>(mesh)]["primitives"][0]["extensions"] = {
+      {"KHR_materials_variants",
+       {{"mappings", {{{"material", red}, {"variants", {0}}}, {{"material", blue}, {"variants", {1}}}}}}}};
+  stand(mesh);
+  const Scene scene = load();
+  const auto seen = [&](const std::string& variant) {
+    const Image image = view(scene, {.variant = variant}, 4, 8);
+    return Color(image.at(0, 1, 1), image.at(1, 1, 1), image.at(2, 1, 1));
+  };
+  EXPECT_EQ(seen(""), Color(0.5f, 0.5f, 0.5f));
+  EXPECT_EQ(seen("red"), Color(1, 0, 0));
+  EXPECT_EQ(seen("blue"), Color(0, 0, 1));
+}
+
 // Tiles of 1/4 on a frame of 16 pixels: each covers 16 of them.
 TEST_F(GltfScene, EveryInstanceOfAnInstancedNodeIsSeen) {
   const int mesh = square(material(unlit({1, 1, 1, 1})));
