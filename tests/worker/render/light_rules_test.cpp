@@ -229,7 +229,7 @@ Scene paint_and(const Material& material) {
 TEST(Regularise, ChangesNoBitWhereThereIsNothingGlossyBehindSomethingRough) {
   const Scene diffuse = paint_and({.base_color = kHalf});
   Scene mirrors = origin_seen({{.kind = Kind::mirror, .base_color = kHalf}});
-  add_mesh(mirrors, grid({-3, 1, -3}, {2, 0, 0}, {0, 0, 6}, 1, 0));
+  add_mesh(mirrors, grid({-3, 1, -3}, {6, 0, 0}, {0, 0, 6}, 1, 0));
   mirrors.environment.radiance = kWhite;
   for (const Scene& scene : {diffuse, mirrors}) {
     const Image plain = pixels(scene);

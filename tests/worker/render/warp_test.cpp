@@ -63,7 +63,7 @@ TEST(Warp, TheLensOfBladesIsUniformOnItsPolygon) {
       const Ray r = rays.ray(20, 9, u, 0);
       return Vec2(r.origin.x, r.origin.y) + Vec2(0.5f, 0.5f);
     };
-    expect_follows(drawn(on_lens), kTries, density, "blades", 16, 200);
+    expect_follows(drawn(on_lens), kTries, density, "blades", 16, 64);
   }
 }
 
