@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a shadow catcher chooses the way along which it asks for light.
+// What a shadow catcher finds of the light, against what its ways must give on average.
 #include "worker/render/catcher.h"
 
 #include <gtest/gtest.h>
@@ -11,75 +11,82 @@
 namespace tessera::tracer {
 namespace {
 
-using tessera::testing::expect_follows;
-using tessera::testing::Random;
+using namespace tessera::testing;
 
-constexpr int kTries = 40000;
+constexpr int kTries = 40000, kToLights = kLanes / 2;
 
-TEST(Reservoir, KeepsEachInProportionToItsWeight) {
-  const std::vector<float> weights{0, 1, 3, 0.5f, 0, 7.5f};
-  Random random(71);
-  std::vector<Vec2> points;
+struct Share {
+  double mean, error;
+};
+// The light that comes through to the origin, which faces up.
+Share let_through(const RenderScene& scene) {
+  Random random(73);
+  double sum = 0, squares = 0;
   for (int i = 0; i < kTries; ++i) {
-    Reservoir r(random.number());
-    for (std::size_t k = 0; k < weights.size(); ++k)
-      r.offer({.direction = {static_cast<float>(k), 0, 0}}, weights[k]);
-    points.emplace_back((r.kept()->direction.x + 0.5f) / 6, random.number());
+    const LightWays ways(scene.lights(), {0, 0, 0}, {0, 1, 0}, 0, [&](int) { return random.pair(); });
+    const double share = ways.share_let_through(scene.bvh(), {.kind = RayKind::shadow},
+                                                [](const Vec3&) { return Vec3(0, 1e-4f, 0); });
+    sum += share, squares += share * share;
   }
-  expect_follows(
-      points, kTries, [&](double x, double) { return weights[std::size_t(x * 6)] / 12 * 6; }, "kept", 6, 12);
+  const double mean = sum / kTries;
+  return {mean, std::sqrt(std::max(0.0, squares / kTries - mean * mean) / kTries)};
 }
 
-TEST(Reservoir, KeepsNothingWithoutAWeight) {
-  Reservoir r(0.5f);
-  r.offer({}, 0);
-  r.offer({}, std::numeric_limits<float>::quiet_NaN());
-  EXPECT_FALSE(r.kept());
-}
-
-// By how many of the candidates are of each light: they follow the lights' probabilities p, and each weighs
-// its irradiance / p.
-std::array<double, 3> expected_shares(const std::array<double, 3>& irradiance,
-                                      const std::array<double, 3>& p) {
-  std::array<double, 3> shares{};
-  const auto factorial = [](int n) { return std::tgamma(n + 1.0); };
-  for (int a = 0; a <= kCatcherCandidates; ++a)
-    for (int b = 0; a + b <= kCatcherCandidates; ++b) {
-      const std::array<int, 3> n{a, b, kCatcherCandidates - a - b};
-      double chance = factorial(kCatcherCandidates), sum = 0;
+// By how many of the ways go to each light: they follow the lights' probabilities p, and each stands for its
+// irradiance / p.
+double expected_share_of_first(const std::array<double, 3>& irradiance, const std::array<double, 3>& p) {
+  double share = 0;
+  for (int a = 0; a <= kToLights; ++a)
+    for (int b = 0; a + b <= kToLights; ++b) {
+      const std::array<int, 3> n{a, b, kToLights - a - b};
+      double chance = std::tgamma(kToLights + 1.0), sum = 0;
       for (std::size_t i = 0; i < 3; ++i) {
-        chance *= std::pow(p[i], n[i]) / factorial(n[i]);
+        chance *= std::pow(p[i], n[i]) / std::tgamma(n[i] + 1.0);
         sum += n[i] * irradiance[i] / p[i];
       }
-      for (std::size_t i = 0; i < 3; ++i) shares[i] += chance * n[i] * irradiance[i] / p[i] / sum;
+      share += chance * a * irradiance[0] / p[0] / sum;
     }
-  return shares;
+  return share;
 }
 
-TEST(Catcher, ChoosesAmongItsCandidatesByTheirShareOfTheIrradiance) {
+Scene three_lights() {
   Scene scene;
+  add_material(scene, {});
   scene.points.push_back({{0, 1, 0}, {1, 1, 1}});
   scene.points.push_back({{0, 2, 0}, {2, 2, 2}});
   scene.suns.push_back({.direction = {0, -1, 0}, .irradiance = {0.5f, 0.5f, 0.5f}});
-  const auto ready = tessera::testing::prepared(scene);
-  const auto which = [](bool infinite, const Vec3& target) {
-    return infinite ? 2u : target.y > 1.5f ? 1u : 0u;
-  };
-  Random random(73);
-  std::array<double, 3> p{}, found{};
-  for (int i = 0; i < kTries; ++i) {
+  return scene;
+}
+
+TEST(LightWays, AreTheRatioOfTheirEstimates) {
+  Scene scene = three_lights();
+  add_mesh(scene, grid({-1, 1.5f, -1}, {2, 0, 0}, {0, 0, 2}, 1, 0));  // hides all but the first
+  const auto ready = prepared(scene);
+  Random random(74);
+  std::array<double, 3> p{};
+  for (int i = 0; i < 1000; ++i) {
     const float pick = random.number();
     const LightSample s = ready->lights().sample({0, 0, 0}, {0, 1, 0}, pick, random.pair(), 0);
-    p[which(s.infinite, s.target)] = s.pdf;  // one direction each: the probability of the light
-    const auto way =
-        choose_light_way(ready->lights(), {0, 0, 0}, {0, 1, 0}, 0, [&](int) { return random.pair(); });
-    ASSERT_TRUE(way);
-    found[which(way->infinite, way->target)] += 1.0 / kTries;
+    p[s.infinite ? 2u : s.target.y > 1.5f ? 1u : 0u] = s.pdf;  // one direction: the light's probability
   }
   EXPECT_NEAR(p[0] + p[1] + p[2], 1, 1e-5);
-  const auto expected = expected_shares({1, 0.5, 0.5}, p);
-  for (std::size_t i = 0; i < 3; ++i)
-    EXPECT_NEAR(found[i], expected[i], 4 * std::sqrt(expected[i] * (1 - expected[i]) / kTries)) << i;
+  const Share found = let_through(*ready);
+  EXPECT_NEAR(found.mean, expected_share_of_first({1, 0.5, 0.5}, p), 4 * found.error);
+}
+
+TEST(LightWays, LetAllThroughWhereNothingIsInBetweenOrShines) {
+  EXPECT_EQ(let_through(*prepared(three_lights())).mean, 1);
+  EXPECT_EQ(let_through(*prepared(Scene{})).mean, 1);
+}
+
+// Of a sky that is the same everywhere, a disc overhead takes r^2 / (r^2 + h^2).
+TEST(LightWays, OfASkyAreCosineDistributed) {
+  Scene scene;
+  add_material(scene, {});
+  scene.environment.radiance = Color(2, 2, 2);
+  scene.disks.push_back({{0, 1, 0}, {0, -1, 0}, 0.75f, 0});
+  const Share found = let_through(*prepared(scene));
+  EXPECT_NEAR(found.mean, 1 - 0.5625 / 1.5625, 4 * found.error);
 }
 
 }  // namespace
