@@ -47,7 +47,7 @@ LightWays::LightWays(const Lights& lights, const Vec3& position, const Vec3& nor
     }
     Way& sky = ways_[static_cast<std::size_t>(i + 1)];
     const Vec3 local = cosine_hemisphere(random(2 * i + 2));
-    sky = {frame.to_world(local), {}, true};
+    sky = {frame.to_world(local), Vec3(0, 0, 0), true};
     lights.escaped({position, normal, local.z * kInvPi}, sky.direction,
                    [&](const Emitted& e) { sky.light += luminance(e.radiance) * kPi; });
   }
