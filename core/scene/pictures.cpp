@@ -87,13 +87,15 @@ int rows_of_band(const OIIO::ImageSpec& spec) {
   return spec.tile_width > 0 ? (kRows + spec.tile_height - 1) / spec.tile_height * spec.tile_height : kRows;
 }
 
-bool read_rows(OIIO::ImageInput& input, int begin, int end, float* values) {
+// Values of the type spec().format. UNKNOWN, where that means the same, makes OpenImageIO read them as they
+// lie in the file; otherwise it takes 64 MiB whatever the size of the image.
+bool read_rows(OIIO::ImageInput& input, int begin, int end, void* values) {
   const OIIO::ImageSpec& s = input.spec();
+  const OIIO::TypeDesc type = s.channelformats.empty() ? OIIO::TypeDesc(OIIO::TypeDesc::UNKNOWN) : s.format;
   if (s.tile_width > 0)
     return input.read_tiles(0, 0, s.x, s.x + s.width, s.y + begin, s.y + end, s.z, s.z + 1, 0, s.nchannels,
-                            OIIO::TypeDesc::FLOAT, values);
-  return input.read_scanlines(0, 0, s.y + begin, s.y + end, s.z, 0, s.nchannels, OIIO::TypeDesc::FLOAT,
-                              values);
+                            type, values);
+  return input.read_scanlines(0, 0, s.y + begin, s.y + end, s.z, 0, s.nchannels, type, values);
 }
 
 // All values, or none if only the source is kept. Band by band: rows that a file promises and does not have
@@ -101,17 +103,21 @@ bool read_rows(OIIO::ImageInput& input, int begin, int end, float* values) {
 std::vector<float> read_values(OIIO::ImageInput& input, std::string_view where, Keep keep) {
   const OIIO::ImageSpec& spec = input.spec();
   const auto row = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels);
+  const int rows = std::min(rows_of_band(spec), spec.height);
+  std::vector<char> band(row * static_cast<std::size_t>(rows) * spec.format.size());
   std::vector<float> values;
   if (keep == Keep::pixels) values.reserve(row * static_cast<std::size_t>(spec.height));
   for (int begin = 0, end = 0; begin < spec.height; begin = end) {
-    end = std::min(begin + rows_of_band(spec), spec.height);
-    const std::size_t kept = keep == Keep::pixels ? row * static_cast<std::size_t>(begin) : 0;
-    values.resize(kept + row * static_cast<std::size_t>(end - begin));
+    end = std::min(begin + rows, spec.height);
     // Of a TIFF file that ends early only the error tells.
-    if (!read_rows(input, begin, end, values.data() + kept) || input.has_error())
+    if (!read_rows(input, begin, end, band.data()) || input.has_error())
       throw InputError(where, reason(input.geterror()), kFormats);
+    if (keep == Keep::source) continue;
+    const std::size_t old = values.size(), more = row * static_cast<std::size_t>(end - begin);
+    values.resize(old + more);
+    OIIO::convert_pixel_values(spec.format, band.data(), OIIO::TypeDesc::FLOAT, values.data() + old,
+                               static_cast<int>(more));
   }
-  if (keep == Keep::source) return {};
   return values;
 }
 
