@@ -29,7 +29,7 @@ fuzz() {
   if [ -f "$words" ]; then dictionary=(-dict="$words"); fi
   # Libraries forget memory when a file is broken: leaks are looked for by the tests.
   if ASAN_OPTIONS=detect_leaks=0 "$build/fuzz/fuzz_$name" -max_total_time="$seconds" -max_len=16384 \
-    -rss_limit_mb=2048 -timeout=10 -print_final_stats=1 -artifact_prefix="$work/found/" "${dictionary[@]}" \
+    -rss_limit_mb=2048 -timeout=25 -print_final_stats=1 -artifact_prefix="$work/found/" "${dictionary[@]}" \
     "$work/corpus" >"$work/log" 2>&1; then
     awk -v name="$name" '/number_of_executed_units/ { runs = $2 } /peak_rss_mb/ { peak = $2 }
       END { printf "fuzz: %-8s nothing found in %d runs, at most %d MiB\n", name, runs, peak }' "$work/log"

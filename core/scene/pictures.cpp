@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/scene/exr_header.h"
 #include "core/scene/files.h"
 #include "core/sha256.h"
 
@@ -144,7 +145,8 @@ Picture decode_bytes(std::string_view bytes, const std::string& name, Encoding e
   if (extension.empty()) extension = extension_of(name);
   if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end())
     throw InputError(where, "this is no image we know", kFormats);
-  if (extension == ".jpg" && !jpeg_ends(bytes)) throw InputError(where, "the image ends early", kFormats);
+  if ((extension == ".jpg" && !jpeg_ends(bytes)) || (extension == ".exr" && !exr_attributes_fit(bytes)))
+    throw InputError(where, "the image ends early", kFormats);
   try {
     OIIO::Filesystem::IOMemReader memory(const_cast<char*>(bytes.data()), bytes.size());
     OIIO::ImageSpec config = opening();
