@@ -190,7 +190,8 @@ JobReport run(const RenderOptions& o, const Job& job, const Scene& scene, LocalF
 int render_scene(const RenderOptions& o) {
   set_up_log(o);
   if (o.scene.empty())
-    throw Error(ExitCode::bad_usage, "render: which scene? accepted: a .json, .gltf, .glb or .obj file");
+    throw Error(ExitCode::bad_usage,
+                "render: which scene? accepted: a .json, .gltf, .glb, .obj, .fbx or .ply file");
   Job job = job_of(o);
   const fs::path file = output_file(o);
   require_memory(job);

@@ -95,7 +95,7 @@ Region crop_region(const std::vector<double>& ndc, Size frame) {
 }
 
 void describe(CLI::App& app, RenderOptions& o) {
-  app.add_option("scene", o.scene, "Scene file: .json (native), .gltf, .glb or .obj")
+  app.add_option("scene", o.scene, "Scene file: .json (native), .gltf, .glb, .obj, .fbx or .ply")
       ->envname("TESSERA_SCENE");
   app.add_option("-o,--output", o.output, "EXR to write; a PNG preview goes beside it [<scene>.exr]")
       ->envname("TESSERA_OUTPUT");

@@ -57,7 +57,7 @@ std::function<int()> describe_scene(CLI::App& app) {
   app.require_subcommand(1);
   const auto add = [&](const char* name, const char* summary, int (*run)(const SceneOptions&)) {
     CLI::App* sub = app.add_subcommand(name, summary);
-    sub->add_option("file", options->file, "A .json, .gltf, .glb or .obj file")->required();
+    sub->add_option("file", options->file, "A .json, .gltf, .glb, .obj, .fbx or .ply file")->required();
     add_limit_option(*sub, options->limits);
     sub->callback([chosen, options, run] { *chosen = [options, run] { return run(*options); }; });
     return sub;

@@ -24,7 +24,7 @@ struct Packet {
 // What a receiver accepts.
 inline constexpr std::size_t kMaxHeaderBytes = 1 << 18;
 inline constexpr int kMaxParts = 2;
-inline constexpr int kMaxPlanes = 256;
+inline constexpr int kMaxPlanes = 1024;  // a film of every AOV has 576
 inline constexpr int kMaxSlots = 4096;
 inline constexpr int kMaxHeld = 16384;         // entries of a heartbeat
 inline constexpr std::size_t kMaxText = 4096;  // bytes of a path or a reason

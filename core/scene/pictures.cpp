@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/scene/exr_header.h"
 #include "core/scene/files.h"
 #include "core/sha256.h"
 
@@ -47,14 +48,22 @@ std::string reason(std::string text) {
   return text.empty() ? "the image cannot be read" : text;
 }
 
-void check_spec(const OIIO::ImageSpec& spec, std::string_view where) {
+void check_edges(int width, int height, int channels, std::string_view what, std::string_view where) {
   const auto edge_ok = [](int edge) { return edge >= 1 && edge <= kMaxPictureEdge; };
-  const auto floats = static_cast<std::uint64_t>(std::max(spec.width, 0)) * std::max(spec.height, 0) *
-                      static_cast<std::uint64_t>(std::max(spec.nchannels, 0));
-  if (!edge_ok(spec.width) || !edge_ok(spec.height) || spec.depth > 1 || floats > kMaxPictureFloats)
+  const auto floats = static_cast<std::uint64_t>(std::max(width, 0)) *
+                      static_cast<std::uint64_t>(std::max(height, 0)) *
+                      static_cast<std::uint64_t>(std::max(channels, 0));
+  if (!edge_ok(width) || !edge_ok(height) || floats > kMaxPictureFloats)
     throw InputError(
-        where, fmt::format("the image is {} x {} x {}", spec.width, spec.height, spec.nchannels),
+        where, fmt::format("{} is {} x {} x {}", what, width, height, channels),
         fmt::format("edges from 1 to {} and at most {} values", kMaxPictureEdge, kMaxPictureFloats));
+}
+
+void check_spec(const OIIO::ImageSpec& spec, std::string_view where) {
+  check_edges(spec.width, spec.height, spec.nchannels, "the image", where);
+  if (spec.tile_width > 0)
+    check_edges(spec.tile_width, spec.tile_height, spec.nchannels, "a tile of the image", where);
+  if (spec.depth > 1) throw InputError(where, fmt::format("the image has {} layers", spec.depth), "1");
   if (spec.nchannels < 1 || spec.nchannels > 4)
     throw InputError(where, fmt::format("the image has {} channels", spec.nchannels), "1 to 4");
 }
@@ -73,23 +82,51 @@ void make_finite(Picture& picture) {
     if (!std::isfinite(v)) v = std::isnan(v) ? 0.0f : std::copysign(kLargestHalf, v);
 }
 
+// How many rows are read at a time.
+int rows_of_band(const OIIO::ImageSpec& spec) {
+  constexpr int kRows = 256;
+  return spec.tile_width > 0 ? (kRows + spec.tile_height - 1) / spec.tile_height * spec.tile_height : kRows;
+}
+
+// Values of the type spec().format. UNKNOWN, where that means the same, makes OpenImageIO read them as they
+// lie in the file; otherwise it takes 64 MiB whatever the size of the image.
+bool read_rows(OIIO::ImageInput& input, int begin, int end, void* values) {
+  const OIIO::ImageSpec& s = input.spec();
+  const OIIO::TypeDesc type = s.channelformats.empty() ? OIIO::TypeDesc(OIIO::TypeDesc::UNKNOWN) : s.format;
+  if (s.tile_width > 0)
+    return input.read_tiles(0, 0, s.x, s.x + s.width, s.y + begin, s.y + end, s.z, s.z + 1, 0, s.nchannels,
+                            type, values);
+  return input.read_scanlines(0, 0, s.y + begin, s.y + end, s.z, 0, s.nchannels, type, values);
+}
+
+// All values, or none if only the source is kept. Band by band: rows that a file promises and does not have
+// take no memory.
+std::vector<float> read_values(OIIO::ImageInput& input, std::string_view where, Keep keep) {
+  const OIIO::ImageSpec& spec = input.spec();
+  const auto row = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels);
+  const int rows = std::min(rows_of_band(spec), spec.height);
+  std::vector<char> band(row * static_cast<std::size_t>(rows) * spec.format.size());
+  std::vector<float> values;
+  if (keep == Keep::pixels) values.reserve(row * static_cast<std::size_t>(spec.height));
+  for (int begin = 0, end = 0; begin < spec.height; begin = end) {
+    end = std::min(begin + rows, spec.height);
+    // Of a TIFF file that ends early only the error tells.
+    if (!read_rows(input, begin, end, band.data()) || input.has_error())
+      throw InputError(where, reason(input.geterror()), kFormats);
+    if (keep == Keep::source) continue;
+    const std::size_t old = values.size(), more = row * static_cast<std::size_t>(end - begin);
+    values.resize(old + more);
+    OIIO::convert_pixel_values(spec.format, band.data(), OIIO::TypeDesc::FLOAT, values.data() + old,
+                               static_cast<int>(more));
+  }
+  return values;
+}
+
 Picture decode(OIIO::ImageInput& input, const std::string& name, Encoding encoding, std::string_view where,
                Keep keep) {
   const OIIO::ImageSpec& spec = input.spec();
   check_spec(spec, where);
-  Picture picture{name, spec.width, spec.height, spec.nchannels, {}, encoding};
-  const auto read = [&](OIIO::TypeDesc type, void* values) {
-    // Of a TIFF file that ends early only the error tells.
-    if (!input.read_image(0, 0, 0, spec.nchannels, type, values) || input.has_error())
-      throw InputError(where, reason(input.geterror()), kFormats);
-  };
-  if (keep == Keep::source) {
-    std::vector<char> values(spec.image_bytes());
-    read(spec.format, values.data());
-    return picture;
-  }
-  picture.pixels.resize(static_cast<std::size_t>(spec.width) * spec.height * spec.nchannels);
-  read(OIIO::TypeDesc::FLOAT, picture.pixels.data());
+  Picture picture{name, spec.width, spec.height, spec.nchannels, read_values(input, where, keep), encoding};
   if (encoding == Encoding::srgb && !spec.format.is_floating_point()) make_linear(picture);
   make_finite(picture);
   return picture;
@@ -108,7 +145,8 @@ Picture decode_bytes(std::string_view bytes, const std::string& name, Encoding e
   if (extension.empty()) extension = extension_of(name);
   if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end())
     throw InputError(where, "this is no image we know", kFormats);
-  if (extension == ".jpg" && !jpeg_ends(bytes)) throw InputError(where, "the image ends early", kFormats);
+  if ((extension == ".jpg" && !jpeg_ends(bytes)) || (extension == ".exr" && !exr_attributes_fit(bytes)))
+    throw InputError(where, "the image ends early", kFormats);
   try {
     OIIO::Filesystem::IOMemReader memory(const_cast<char*>(bytes.data()), bytes.size());
     OIIO::ImageSpec config = opening();

@@ -94,6 +94,12 @@ TEST(Codec, EveryBitOfAPixelTravelsNaNsAndNegativeZerosToo) {
   EXPECT_TRUE(same_bits(std::get<RenderDone>(m).block.sums, image));
 }
 
+TEST(Codec, AFilmOfEveryAovTravels) {
+  const Message film =
+      RenderDone{1, 1, {{0, 8}, counting_image({0, 0, 2, 1}, FilmLayout(AovSet::all()).planes())}};
+  EXPECT_EQ(complaint(film), "none");
+}
+
 TEST(Codec, PixelsAreMovedIntoThePacketNotCopied) {
   Image image({0, 0, 64, 64}, 4);
   const float* where = image.data().data();
@@ -180,7 +186,8 @@ TEST(Codec, AJobThatIsNoneIsRefused) {
   EXPECT_THAT(refused([](Job& j) { j.render.size.width = 0; }), HasSubstr("width"));
   EXPECT_THAT(refused([](Job& j) { j.render.size.height = 1 << 20; }), HasSubstr("height"));
   EXPECT_THAT(refused([](Job& j) { j.render.max_bounces = -1; }), HasSubstr("max_bounces"));
-  EXPECT_THAT(refused([](Job& j) { j.render.aovs = AovSet::from_bits(std::uint64_t{1} << kAovs); }), HasSubstr("aovs"));
+  EXPECT_THAT(refused([](Job& j) { j.render.aovs = AovSet::from_bits(std::uint64_t{1} << kAovs); }),
+              HasSubstr("aovs"));
   EXPECT_THAT(refused([](Job& j) { j.crop = Region{0, 0, 700, 1}; }), HasSubstr("crop"));
   EXPECT_THAT(refused([&](Job& j) { j.acceptance.relmse = nan; }), HasSubstr("relmse"));
   EXPECT_THAT(refused([](Job& j) { j.acceptance.max_samples = 100; }), HasSubstr("max_samples"));

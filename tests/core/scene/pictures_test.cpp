@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/pictures.h"
 
+#include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cmath>
 
@@ -62,6 +64,46 @@ TEST(Pictures, AnAbsurdSizeIsRefusedBeforeMemoryIsTaken) {
   EXPECT_THAT(
       refusal_of(folder.write("huge.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16384 +X 16384\n")),
       HasSubstr("16384 x 16384"));
+}
+
+long peak_mib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss / 1024;
+}
+
+TEST(Pictures, RowsThatAreNotThereTakeNoMemory) {
+  const Folder folder;
+  const auto file = folder.write("promise.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8000 +X 8000\n");
+  const long before = peak_mib();
+  EXPECT_THAT(refusal_of(file), HasSubstr("promise.hdr: "));
+  EXPECT_LT(peak_mib() - before, 300) << "its pixels would be 732 MiB";
+}
+
+TEST(Pictures, AnExrAttributeThatReachesBeyondTheFileIsRefused) {
+  const Folder folder;
+  const std::string start("v/1\1\2\0\0\0note\0any\0", 17);
+  for (const std::uint32_t size : {1u, 0x7fffffffu, 0xffffffffu}) {
+    std::string bytes = start;
+    bytes.append(reinterpret_cast<const char*>(&size), sizeof size);
+    EXPECT_THAT(refusal_of(folder.write("note.exr", bytes)), HasSubstr("note.exr: the image ends early"))
+        << size;
+  }
+}
+
+TEST(Pictures, OfManyRowsAreReadWholeTiledOrNot) {
+  const Folder folder;
+  std::vector<float> pixels;
+  for (int i = 0; i < 70 * 600 * 3; ++i) pixels.push_back(static_cast<float>(i));
+  for (const int tile : {0, 32}) {
+    OIIO::ImageSpec spec(70, 600, 3, OIIO::TypeDesc::FLOAT);
+    spec.tile_width = spec.tile_height = tile;
+    const std::string name = (folder.path() / "many.exr").string();
+    const auto out = OIIO::ImageOutput::create(name);
+    ASSERT_TRUE(out && out->open(name, spec) && out->write_image(OIIO::TypeDesc::FLOAT, pixels.data()) &&
+                out->close());
+    EXPECT_EQ(read_picture(name, Encoding::linear).pixels, pixels) << tile;
+  }
 }
 
 TEST(PictureShelf, HoldsAFileOnceForEachEncoding) {
