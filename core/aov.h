@@ -40,7 +40,7 @@ enum class Aov : std::uint8_t {
   material_matte = 21,
   sample_vectors = 22,  // what Random Parameter Filtering wants of each of the first kLeafSamples samples:
                         // see SampleVector
-  light_group = 24,  // and 25 to 31: light of group 0 to 7, of all bounces
+  light_group = 24,     // and 25 to 31: light of group 0 to 7, of all bounces
 };
 inline constexpr int kAovs = 32;
 

@@ -11,7 +11,8 @@
 
 namespace tessera {
 
-// What all that one scene file takes in may come to. A hostile file is refused here, before it eats the machine.
+// What all that one scene file takes in may come to. A hostile file is refused here, before it eats the
+// machine.
 struct ImportLimits {
   std::uint64_t file_bytes = 4000ull << 20;   // of one file, together with the buffers that it names
   std::uint64_t vertices = 1ull << 28;        // of all meshes

@@ -5,6 +5,7 @@
 #include <embree3/rtcore.h>
 
 #include <functional>
+#include <limits>
 #include <memory>
 
 #include "worker/render/geometry.h"
@@ -12,6 +13,8 @@
 namespace tessera::tracer {
 
 inline constexpr int kLanes = 16;  // rays of a packet: one 4x4 block of pixels
+
+inline constexpr float kFar = std::numeric_limits<float>::infinity();  // of a ray without end
 
 // What a ray is besides its way.
 struct RayTraits {
@@ -38,6 +41,12 @@ struct alignas(64) ShadowPacket {
   void set(int lane, const Vec3& origin, const Vec3& direction, float far, const RayTraits& traits = {});
   bool occluded(int lane) const { return r.tfar[lane] < 0; }
 };
+
+// No lane is active any more.
+template <typename P>
+void clear(P& packet) {
+  for (int& active : packet.active) active = 0;
+}
 
 // True if the surface is there at this hit for a ray of this seed (alpha masks have holes). Pure: it is asked
 // in any order, any number of times. The hit's u and v are the texture coordinates if it is on a shape.

@@ -62,7 +62,7 @@ float LightWays::share_let_through(const Bvh& bvh, const RayTraits& traits, cons
     rays.active[lane] = 0;
     if (!(way.light > 0)) continue;
     const Vec3 from = origin(way.direction);
-    way.infinite ? rays.set(lane, from, way.direction, std::numeric_limits<float>::infinity(), traits)
+    way.infinite ? rays.set(lane, from, way.direction, kFar, traits)
                  : rays.set(lane, from, way.target - from, 1, traits);
     all += way.light;
   }

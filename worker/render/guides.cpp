@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/render/guides.h"
 
-#include <limits>
-
 #include "core/cryptomatte.h"
 
 namespace tessera::tracer {
@@ -117,8 +115,7 @@ void Guides::point_samples(const BlockKeys& block, Packet& rays, SampleBlock& ou
     pixels[i] = {static_cast<float>(block.x + lane % kBlockEdge) + 0.5f,
                  static_cast<float>(block.y + lane / kBlockEdge) + 0.5f};
     through[i] = views_.now.central_ray(pixels[i].x, pixels[i].y, kMiddle);
-    rays.set(lane, through[i].origin, through[i].direction, std::numeric_limits<float>::infinity(),
-             {kMiddle, RayKind::camera, 0});
+    rays.set(lane, through[i].origin, through[i].direction, kFar, {kMiddle, RayKind::camera, 0});
   }
   scene_.bvh().intersect_coherent(rays);
   for (int lane = 0; lane < kLanes; ++lane) {

@@ -1,35 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/render/integrator.h"
 
-#include <limits>
-
 #include "core/scene/load.h"
-#include "worker/render/catcher.h"
-#include "worker/render/warp.h"
 
 namespace tessera::tracer {
 namespace {
 
-constexpr float kFar = std::numeric_limits<float>::infinity();
-
 // How much of the angle of a bundle of rays, one a sample, the cone of one ray is made: pictures seen by
 // reflection may blur that much.
 constexpr float kConeShare = 0.1f;
-
-template <typename P>
-void clear(P& packet) {
-  for (int& active : packet.active) active = 0;
-}
-
-// Off the surface on the side that `direction` leaves to.
-Vec3 leaving(const Surface& s, const Vec3& direction) {
-  return offset_origin(s.position, dot(direction, s.ng) >= 0 ? s.ng : -s.ng);
-}
-
-Color attenuation(const Color& per_metre, float distance) {
-  return {std::exp(-per_metre.x * distance), std::exp(-per_metre.y * distance),
-          std::exp(-per_metre.z * distance)};
-}
 
 Views views_of(const RenderScene& scene, const RenderSettings& settings, int frame) {
   const Scene& s = scene.scene();
@@ -161,40 +140,6 @@ void Integrator::first_hit(const Turn& turn, int lane, SampleBlock& out) {
   show_unlit(path);
 }
 
-void Integrator::sky(int lane, SampleBlock& out) {
-  Path& path = paths_[static_cast<std::size_t>(lane)];
-  path.alive = false;
-  path.emission = backdrop_;
-  scene_.lights().backdrop(path.direction,
-                           [&](const Emitted& e) { add(path, lane, -1, arriving(path, e), out); });
-  guides_.sky(path, lane, out);
-}
-
-// The backdrop is seen through the catcher where light comes to it, and black covers it where none comes.
-void Integrator::catch_shadow(const Turn& turn, int lane, SampleBlock& out) {
-  Path& path = paths_[static_cast<std::size_t>(lane)];
-  path.alive = false;
-  const auto i = static_cast<std::size_t>(lane);
-  const LightWays ways(
-      scene_.lights(), path.surface.position, path.bsdf.frame.z, path.ray.time, [&](int pair) {
-        return random_pair(turn.keys[i], turn.index, kCatcherSet + static_cast<std::uint32_t>(pair));
-      });
-  const float light =
-      ways.share_let_through(scene_.bvh(), traits(turn, lane, 0, RayKind::shadow),
-                             [&](const Vec3& direction) { return leaving(path.surface, direction); });
-  guides_.caught(path, lane, 1 - light, out);
-  path.direct = backdrop_ * light;
-  scene_.lights().backdrop(path.direction, [&](const Emitted& e) { path.direct += e.radiance * light; });
-}
-
-// What an unlit surface shows to the camera, also in a mirror. It is the end of the path.
-void Integrator::show_unlit(Path& path) const {
-  if (!scene_.materials().unlit(path.surface.material)) return;
-  if (path.left.pdf == 0)
-    path.emission += path.throughput * scene_.materials().shown(scene_.geometry(), path.hit, path.surface);
-  path.alive = false;
-}
-
 // At a vertex: sends a shadow ray to a light, and the path on.
 void Integrator::scatter(const Turn& turn, int lane, int bounce, SampleBlock& out) {
   Path& path = paths_[static_cast<std::size_t>(lane)];
@@ -246,40 +191,6 @@ bool Integrator::survives(Path& path, int lane, int bounce) const {
   if (roulette_.x[static_cast<std::size_t>(lane)] >= chance) return false;
   path.throughput *= 1.0f / chance;
   return true;
-}
-
-void Integrator::ask_light(Path& path, int lane) {
-  const Lights& lights = scene_.lights();
-  const auto i = static_cast<std::size_t>(lane);
-  const LightSample light = lights.sample(path.surface.position, path.bsdf.frame.z,
-                                          lights.picks() ? which_.y[i] : 0, light_point_[i], path.ray.time);
-  if (!(light.pdf > 0)) return;
-  const BsdfValue scattered = evaluate(path.bsdf, light.direction);
-  const float weight = (light.delta ? 1.0f : power_heuristic(light.pdf, scattered.pdf)) / light.pdf;
-  const Color f = scattered.diffuse * light.traits->diffuse + scattered.specular * light.traits->specular;
-  path.waiting = {path.throughput * f * light.radiance * weight, luminance(light.radiance) * weight,
-                  light.traits};
-  if (is_black(path.waiting.light)) return;
-  path.waits = true;
-  const Vec3 origin = leaving(path.surface, light.direction);
-  if (light.infinite)
-    shadows_.set(lane, origin, light.direction, kFar, path.ray);
-  else
-    shadows_.set(lane, origin, light.target - origin, 1, path.ray);
-  if (!light.infinite && !is_black(path.absorption))
-    path.waiting.light *= attenuation(path.absorption, length(light.target - origin));
-}
-
-void Integrator::collect_light(int bounce, SampleBlock& out) {
-  bool any = false;
-  for (const Path& path : paths_) any |= path.waits;
-  if (!any) return;
-  scene_.bvh().occluded(shadows_);
-  for (int lane = 0; lane < kLanes; ++lane) {
-    Path& path = paths_[static_cast<std::size_t>(lane)];
-    if (path.waits && !shadows_.occluded(lane)) add(path, lane, bounce, path.waiting, out);
-    path.waits = false;
-  }
 }
 
 void Integrator::next_hits(int bounce, SampleBlock& out) {
@@ -348,32 +259,6 @@ void Integrator::arrive(int lane, int bounce, SampleBlock& out) {
   ready_bsdf(path);
   if (settings_.regularise > 0 && path.rough) regularise(path.bsdf, settings_.regularise);
   guides_.later_hit(path, lane, bounce, out);
-}
-
-void Integrator::find_sky(Path& path, int lane, int bounce, SampleBlock& out) const {
-  scene_.lights().escaped(path.left, path.direction,
-                          [&](const Emitted& e) { add(path, lane, bounce, arriving(path, e), out); });
-}
-
-Contribution Integrator::arriving(const Path& path, const Emitted& found) const {
-  Color light = path.throughput * found.radiance;
-  const LightTraits& t = *found.traits;
-  if (path.vertices > 0 && scene_.parts_light())
-    light *= path.diffuse_share * t.diffuse + (Color(1, 1, 1) - path.diffuse_share) * t.specular;
-  return {light, luminance(found.radiance), found.traits};
-}
-
-// To what scattering made of light at vertex `bounce`; -1: to what the camera sees of an emitter.
-void Integrator::add(Path& path, int lane, int bounce, Contribution c, SampleBlock& out) const {
-  path.sent += c.sent;
-  const float most = bounce > 0 ? settings_.clamp_indirect : settings_.clamp_direct;
-  if (bounce >= 0 && most > 0)
-    if (const float brightest = max_component(c.light); brightest > most) c.light *= most / brightest;
-  (bounce < 0 ? path.emission : bounce == 0 ? path.direct : path.indirect) += c.light;
-  if (!groups_ || c.traits->group < 0) return;
-  const Aov group = light_group_aov(c.traits->group);
-  if (!out.has(group)) return;
-  for (int k = 0; k < 3; ++k) out.channel(group, k)[static_cast<std::size_t>(lane)] += c.light[k];
 }
 
 void Integrator::finish(const Turn& turn, SampleBlock& out) const {

@@ -7,6 +7,17 @@
 
 namespace tessera::tracer {
 
+// Where a ray from the surface starts that leaves along `direction`: just off it, on that side.
+inline Vec3 leaving(const Surface& s, const Vec3& direction) {
+  return offset_origin(s.position, dot(direction, s.ng) >= 0 ? s.ng : -s.ng);
+}
+
+// What is left of light after `distance` metres (Beer and Lambert).
+inline Color attenuation(const Color& per_metre, float distance) {
+  return {std::exp(-per_metre.x * distance), std::exp(-per_metre.y * distance),
+          std::exp(-per_metre.z * distance)};
+}
+
 // Light that reaches a vertex, as the camera would get it.
 struct Contribution {
   Color light;     // with all that the path makes of it
