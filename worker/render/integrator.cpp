@@ -6,6 +6,10 @@
 namespace tessera::tracer {
 namespace {
 
+// How much of a pixel's width a camera ray stands for: a frame begins with 16 samples a pixel, and what lies
+// between them the mean over the samples smooths.
+constexpr float kPixelShare = 0.25f;
+
 // How much of the angle of a bundle of rays, one a sample, the cone of one ray is made: pictures seen by
 // reflection may blur that much.
 constexpr float kConeShare = 0.1f;
@@ -95,8 +99,8 @@ void Integrator::start(const Turn& turn) {
     path.throughput = Color(1, 1, 1);
     path.radiance_scale = 1;
     path.diffuse_share = path.absorption = Color(0, 0, 0);
-    path.width = camera.footprint();
-    path.spread = camera.spread();
+    path.width = kPixelShare * camera.footprint();
+    path.spread = kPixelShare * camera.spread();
     path.left = {};
     path.direct = path.indirect = path.emission = Color(0, 0, 0);
     path.sent = 0;
