@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/scene/exr_header.h"
 #include "core/scene/files.h"
+#include "core/scene/srgb.h"
 #include "core/sha256.h"
 
 namespace tessera {
@@ -21,9 +22,6 @@ constexpr std::array<std::string_view, 8> kExtensions{".png", ".jpg", ".jpeg", "
                                                       ".hdr", ".tif", ".tga",  ".bmp"};
 constexpr std::string_view kFormats = "PNG, JPEG, OpenEXR, Radiance HDR, TIFF, Targa or BMP";
 constexpr float kLargestHalf = 65504.0f;
-
-// IEC 61966-2-1:1999, section 5.2: the inverse of the sRGB transfer function.
-float from_srgb(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
 
 // The format by the first bytes of a file: an embedded image has no name to go by.
 std::string_view extension_by_content(std::string_view start) {

@@ -81,6 +81,13 @@ RayTraits Integrator::traits(const Turn& turn, int lane, int bounce, RayKind kin
   return t;
 }
 
+// Where the sample in hand lies, in pixels.
+Vec2 Integrator::screen(const BlockKeys& block, std::size_t lane) const {
+  const int l = static_cast<int>(lane);
+  return {static_cast<float>(block.x + l % kBlockEdge) + pixel_.x[lane],
+          static_cast<float>(block.y + l / kBlockEdge) + pixel_.y[lane]};
+}
+
 void Integrator::start(const Turn& turn) {
   const CameraRays& camera = views_.now;
   pixel_.draw(turn.keys, turn.index, kPixelSet);
@@ -91,9 +98,8 @@ void Integrator::start(const Turn& turn) {
     Path& path = paths_[i];
     path.ray.time = moving_ ? time_.x[i] : 0;
     path.ray = traits(turn, lane, 0, RayKind::camera);
-    const Ray ray = camera.ray(static_cast<float>(turn.block.x + lane % kBlockEdge) + pixel_.x[i],
-                               static_cast<float>(turn.block.y + lane / kBlockEdge) + pixel_.y[i],
-                               camera.has_lens() ? lens_[i] : Vec2(0, 0), path.ray.time);
+    const Vec2 at = screen(turn.block, i);
+    const Ray ray = camera.ray(at.x, at.y, camera.has_lens() ? lens_[i] : Vec2(0, 0), path.ray.time);
     path.origin = ray.origin;
     path.direction = ray.direction;
     path.throughput = Color(1, 1, 1);
@@ -153,7 +159,7 @@ void Integrator::scatter(const Turn& turn, int lane, int bounce, SampleBlock& ou
     path.ray = traits(turn, lane, bounce, RayKind::shadow);
     ask_light(path, lane);
   }
-  path.alive = bounce < settings_.max_bounces || gathers_emission();
+  path.alive = bounce < settings_.max_bounces || scene_.lights().sky_emits() || surfaces_shine();
   if (!path.alive) return;
   const BsdfSample s = sample(path.bsdf, one_lobe(path.bsdf) ? 0 : which_.x[i], direction_[i]);
   path.alive = !is_black(s.weight());
@@ -182,9 +188,7 @@ void Integrator::go_on(Path& path, const BsdfSample& s) const {
   path.origin = leaving(path.surface, s.wi);
 }
 
-bool Integrator::gathers_emission() const {
-  return scene_.lights().sky_emits() || scene_.lights().surfaces_emit() || scene_.shows_unlit();
-}
+bool Integrator::surfaces_shine() const { return scene_.lights().surfaces_emit() || scene_.shows_unlit(); }
 
 // Russian roulette on what the path can still carry.
 bool Integrator::survives(Path& path, int lane, int bounce) const {
@@ -198,8 +202,7 @@ bool Integrator::survives(Path& path, int lane, int bounce) const {
 }
 
 void Integrator::next_hits(int bounce, SampleBlock& out) {
-  if (bounce == settings_.max_bounces && !scene_.lights().surfaces_emit() && !scene_.shows_unlit())
-    return last_hits(bounce, out);
+  if (bounce == settings_.max_bounces && !surfaces_shine()) return last_hits(bounce, out);
   scene_.bvh().intersect(rays_);
   find_surfaces();
   for (int lane = 0; lane < kLanes; ++lane)
@@ -275,9 +278,8 @@ void Integrator::finish(const Turn& turn, SampleBlock& out) const {
     out.set(Aov::direct, lane, path.direct);
     out.set(Aov::indirect, lane, path.indirect);
     out.set(Aov::emission, lane, path.emission);
-    const Vec2 screen(static_cast<float>(turn.block.x + lane % kBlockEdge) + pixel_.x[i],
-                      static_cast<float>(turn.block.y + lane / kBlockEdge) + pixel_.y[i]);
-    guides_.sample(lane, path, color, screen, views_.now.has_lens() ? lens_[i] : Vec2(0.5f, 0.5f), out);
+    guides_.sample(lane, path, color, screen(turn.block, i),
+                   views_.now.has_lens() ? lens_[i] : Vec2(0.5f, 0.5f), out);
     if (!is_finite(color)) out.drop(i);
   }
 }

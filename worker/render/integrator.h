@@ -47,7 +47,8 @@ class Integrator {
   void show_unlit(Path& path) const;
   bool survives(Path& path, int lane, int bounce) const;
   void finish(const Turn& turn, SampleBlock& out) const;
-  bool gathers_emission() const;
+  bool surfaces_shine() const;
+  Vec2 screen(const BlockKeys& block, std::size_t lane) const;
 
   void ready_bsdf(Path& path) const;
   RayTraits traits(const Turn& turn, int lane, int bounce, RayKind kind) const;

@@ -86,10 +86,7 @@ Vec3 RenderScene::one_frame_before(const tracer::Hit& hit, const Vec3& position)
   const double middle = (shutter_.open + shutter_.close) / 2;
   const Matrix now = geometry_.to_world(hit.piece, 0.5f);
   const Matrix before = geometry_.to_world_at(hit.piece, middle - 1.0 / scene_->frames_per_second);
-  Vec3 local, then;
-  now.inverse().multVecMatrix(position, local);
-  before.multVecMatrix(local, then);
-  return then;
+  return tracer::moved(tracer::moved(position, now.inverse()), before);
 }
 
 std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene> scene, const RenderSettings& settings,
