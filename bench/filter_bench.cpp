@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // How fast the filters' kernels are, in milliseconds and as a fraction of what this machine can do: its peak
 // of fused multiply-adds and its bandwidth are measured in the same run, on the same device.
-//   filter_bench [device] [width height]
+//   filter_bench [--device=NAME] [WIDTHxHEIGHT] [FILTER ...]
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
-#include <limits>
+#include <cstdio>
+#include <map>
 #include <random>
 
 #include "core/error.h"
@@ -18,29 +18,14 @@ namespace tessera {
 namespace {
 
 constexpr int kRuns = 25;
+constexpr int kFewRuns = 3;        // of a filter that takes longer than
+constexpr double kLongRun = 0.25;  // seconds
+constexpr std::string_view kTexts[] = {"atrous", "svgf", "svgf:variance=spatial"};
 constexpr int kPeakRuns = 100;  // short ones: the best falls between other programs' turns
-
-// Operations a pixel of one kernel needs (an fma counts two; divisions, roots and comparisons one), counted
-// in the source, and the floats it must at least read and write: each plane once.
-struct Cost {
-  std::string_view kernel;
-  double flops, floats;
-};
-constexpr double kExp = 15;  // of exp2_of_negative
-constexpr double kAtrousTap = 9 + 15 + 6 + kExp + 1 + 7;
-constexpr double kGeometry = 2 + 5 + 2 + 7;                     // depth, cosine, bounds, seven squarings
-constexpr double kChord = 7.0 / 2;                              // half a depth scale per tap
-constexpr double kLightTap = 3 + 5 + 3 + kExp + 1 + 1 + 6 + 3;  // differences, luminance, weight, sums
-constexpr Cost kCosts[] = {
-    {"atrous_level", 24 * kAtrousTap + 4 * 8 + 20, 6 + 3 + 3},
-    {"svgf_variance_samples", 48 * (kGeometry + kChord + kExp + 6) + 20, 4 + 8 + 8},
-    {"svgf_variance_spatial", 48 * (kGeometry + kChord + kExp + 2 + 2 * 17) + 40, 4 + 8 + 8},
-    {"svgf_level", 24 * (kGeometry + kChord + 2 * kLightTap) + 2 * (9 * 4 + 20) + 20, 4 + 8 + 8},
-};
 
 // Surfaces with noise, such that every weight is exercised.
 Image noisy_input(const FilterPlan& plan, const Region& frame) {
-  const auto& inputs = plan.description().inputs;
+  const std::vector<Channel> inputs = plan.inputs();
   Image image(frame, static_cast<int>(inputs.size()));
   std::minstd_rand random(1);
   std::uniform_real_distribution<float> uniform(0, 1);
@@ -50,6 +35,7 @@ Image noisy_input(const FilterPlan& plan, const Region& frame) {
         const float u = uniform(random);
         const Channel& c = inputs[k];
         float v = c.statistic == Statistic::variance_of_mean ? 0.05f * u : u;
+        if (c.statistic == Statistic::samples) v = 8;
         if (c.aov == Aov::normal) v = c.index == 2 ? 1.0f : 0.05f * u;
         if (c.aov == Aov::position) v = 0.01f * (c.index == 0 ? x : c.index == 1 ? y : u);
         if (c.aov == Aov::depth) v = 5 + 0.001f * x + 0.001f * u;
@@ -121,14 +107,21 @@ struct Machine {
   double flops, bytes;  // per second
 };
 
-void print(std::string_view filter, std::string_view kernel, int step, std::vector<double> seconds,
-           double pixels, const Machine& machine) {
-  std::ranges::sort(seconds);
-  const double fastest = seconds.front(), median = seconds[seconds.size() / 2];
-  fmt::print("{:<24}{:<24}{:>4}  {:>7.2f}  {:>7.2f}", filter, kernel, step ? std::to_string(step) : "",
-             1e3 * fastest, 1e3 * median);
-  if (const auto cost = std::ranges::find(kCosts, kernel, &Cost::kernel); cost != std::end(kCosts)) {
-    const double flops = cost->flops * pixels, bytes = sizeof(float) * cost->floats * pixels;
+// One kernel of a filter: all its runs of one step, in one call of the filter.
+struct Row {
+  std::string_view kernel;
+  int step = 0;                  // 0: not told apart
+  double flops = 0, floats = 0;  // of a pixel
+  std::vector<double> seconds;   // of each call
+};
+
+void print(std::string_view filter, Row row, double pixels, const Machine& machine) {
+  std::ranges::sort(row.seconds);
+  const double fastest = row.seconds.front(), median = row.seconds[row.seconds.size() / 2];
+  fmt::print("{:<24}{:<24}{:>4}  {:>7.2f}  {:>7.2f}", filter, row.kernel,
+             row.step ? std::to_string(row.step) : "", 1e3 * fastest, 1e3 * median);
+  if (row.flops > 0) {
+    const double flops = row.flops * pixels, bytes = sizeof(float) * row.floats * pixels;
     const double least = std::max(flops / machine.flops, bytes / machine.bytes);
     fmt::print("  {:>6.2f}  {:>6.1f}  {:>6.0f} %  {:>7.0f} %  {:>6.0f} %", 1e-9 * flops, 1e-6 * bytes,
                100 * flops / fastest / machine.flops, 100 * bytes / fastest / machine.bytes,
@@ -137,33 +130,67 @@ void print(std::string_view filter, std::string_view kernel, int step, std::vect
   fmt::print("\n");
 }
 
+// The kernels in the order in which they ran first. A kernel that runs once for each of its passes is told
+// apart by their steps; else its runs, and the costs of its passes, are added up.
+std::vector<Row> rows_of(const std::vector<Pass>& passes, const std::vector<KernelTime>& times) {
+  std::vector<Row> rows;
+  for (const KernelTime& t : times) {
+    const auto is_kernel = [&](const auto& other) { return other.kernel == t.kernel; };
+    const auto runs = std::ranges::count_if(times, is_kernel),
+               stated = std::ranges::count_if(passes, is_kernel);
+    const auto before = std::ranges::count_if(rows, is_kernel);
+    if (before == 0 || (stated > 1 && runs == stated)) {
+      Row row{.kernel = t.kernel};
+      int seen = 0;
+      for (const Pass& p : passes) {
+        if (p.kernel != t.kernel) continue;
+        if (runs == stated && seen++ != before) continue;
+        row.step = runs == stated && stated > 1 ? p.step : 0;
+        row.flops += p.flops;
+        row.floats += p.floats;
+      }
+      rows.push_back(row);
+    }
+  }
+  return rows;
+}
+
+void add_times(std::vector<Row>& rows, const std::vector<KernelTime>& times) {
+  for (Row& r : rows) r.seconds.push_back(0);
+  std::map<std::string_view, std::size_t> seen;
+  for (const KernelTime& t : times) {
+    const std::size_t nth = seen[t.kernel]++;
+    std::vector<Row*> own;
+    for (Row& r : rows)
+      if (r.kernel == t.kernel) own.push_back(&r);
+    own[std::min(nth, own.size() - 1)]->seconds.back() += t.seconds;
+  }
+}
+
 void measure(ClDevice& device, std::string_view text, const Region& frame, const Machine& machine) {
-  const FilterPlan plan = parse_filter(text);
+  const FilterPlan plan = resolved(parse_filter(text), {});
   const Image input = noisy_input(plan, frame);
-  std::vector<std::vector<double>> of_kernel;
-  std::vector<double> whole;
   std::vector<KernelTime> times;
-  filter(device, plan, input, {frame, frame}, frame);
   device.record(&times);
-  for (int i = 0; i < kRuns; ++i) {
+  filter(device, plan, input, {frame, frame}, frame);
+  const std::vector<KernelTime> first = times;  // the rows view its names
+  std::vector<Row> rows = rows_of(plan.passes(), first);
+  Row whole{.kernel = "whole filter"};
+  for (int i = 0; i < kRuns && (i < kFewRuns || whole.seconds.front() < kLongRun); ++i) {
     times.clear();
     const auto begin = std::chrono::steady_clock::now();
     filter(device, plan, input, {frame, frame}, frame);
-    whole.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-    of_kernel.resize(times.size());
-    for (std::size_t k = 0; k < times.size(); ++k) of_kernel[k].push_back(times[k].seconds);
+    whole.seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    add_times(rows, times);
   }
   device.record(nullptr);
-  const std::vector<Pass> passes = plan.passes();
-  for (std::size_t k = 0; k < times.size(); ++k) {
-    const bool pass = k > 0 && k <= passes.size();  // the first kernel prepares, the last one delivers
-    print(text, times[k].kernel, pass ? passes[k - 1].step : 0, of_kernel[k],
-          static_cast<double>(frame.area()), machine);
-  }
-  print(text, "whole filter", 0, whole, static_cast<double>(frame.area()), machine);
+  const double pixels = static_cast<double>(frame.area());
+  for (const Row& row : rows) print(text, row, pixels, machine);
+  for (const Pass& p : plan.passes()) whole.flops += p.flops, whole.floats += p.floats;
+  print(text, whole, pixels, machine);
 }
 
-void run(const std::string& name, const Region& frame) {
+void run(const std::string& name, const Region& frame, const std::vector<std::string_view>& texts) {
   const auto opened = Device::open(name);
   ClDevice& device = dynamic_cast<ClDevice&>(*opened);
   const Machine machine{peak_flops(device), bandwidth(device)};
@@ -172,21 +199,31 @@ void run(const std::string& name, const Region& frame) {
              kRuns);
   fmt::print("{:<24}{:<24}{:>4}  {:>7}  {:>7}  {:>6}  {:>6}  {:>8}  {:>9}  {:>8}\n", "filter", "kernel",
              "step", "best ms", "median", "Gflop", "MB", "of flops", "of memory", "of roof");
-  for (const std::string_view text : {"atrous", "svgf", "svgf:variance=spatial"})
-    measure(device, text, frame, machine);
+  for (const std::string_view text : texts) measure(device, text, frame, machine);
 }
 
 }  // namespace
 }  // namespace tessera
 
 int main(int count, char** values) try {
-  const std::string device = count > 1 ? values[1] : "";
-  const int width = count > 3 ? std::atoi(values[2]) : 1280, height = count > 3 ? std::atoi(values[3]) : 720;
-  if (width < 1 || height < 1 || width > 16384 || height > 16384) {
-    fmt::print(stderr, "usage: filter_bench [device] [width height], each from 1 to 16384\n");
-    return static_cast<int>(tessera::ExitCode::bad_usage);
+  int width = 1280, height = 720;
+  std::string device;
+  std::vector<std::string_view> texts;
+  for (int i = 1; i < count; ++i) {
+    const std::string_view value = values[i];
+    if (value.starts_with("--device=")) {
+      device = value.substr(9);
+    } else if (std::sscanf(values[i], "%dx%d", &width, &height) == 2) {
+      if (width < 1 || height < 1 || width > 16384 || height > 16384) {
+        fmt::print(stderr, "filter_bench: {} is no size; accepted: WxH, each from 1 to 16384\n", value);
+        return static_cast<int>(tessera::ExitCode::bad_usage);
+      }
+    } else {
+      texts.push_back(value);
+    }
   }
-  tessera::run(device, {0, 0, width, height});
+  if (texts.empty()) texts.assign(std::begin(tessera::kTexts), std::end(tessera::kTexts));
+  tessera::run(device, {0, 0, width, height}, texts);
 } catch (const tessera::Error& e) {
   fmt::print(stderr, "filter_bench: {}\n", e.what());
   return static_cast<int>(e.code());

@@ -17,6 +17,7 @@
 #include "coordinator/output.h"
 #include "core/error.h"
 #include "core/png.h"
+#include "core/scene/facts.h"
 #include "core/scene/load.h"
 
 namespace tessera {
@@ -204,6 +205,7 @@ int render_scene(const RenderOptions& o) {
   variant_of(*scene, o.variant);
   job.render.aovs = job.render.aovs | groups_of(o, scene->light_groups.size());
   require_foreign(file, o, *scene);
+  job.filter = resolved(std::move(job.filter), facts_of(*scene));
   job.scene.hash = content_hash(*scene);
 
   LocalFarm farm(scene, o.threads.value_or(usable_threads()), o.device, {.memory = o.texture_memory << 20});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The small subcommands: devices, filters, schema, compare.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <iostream>
 
@@ -37,12 +38,36 @@ std::string standard(const Parameter& p) {
                            : std::string(p.choices[static_cast<int>(p.standard)]);
 }
 
+// "albedo", "variance of direct", ...: each AOV once.
+std::vector<std::string> input_names(const std::vector<Channel>& inputs) {
+  constexpr std::string_view kStatistics[] = {"", "variance of ", "third moment of ", "samples of "};
+  constexpr std::string_view kShares[] = {"", " of half A", " of half B"};
+  std::vector<std::string> names;
+  for (const Channel& c : inputs) {
+    if (c.index != 0) continue;
+    const std::string_view name = c.aov == Aov::color   ? "color"
+                                  : c.aov == Aov::depth ? "Z"
+                                                        : info(c.aov).name;
+    names.push_back(c.statistic == Statistic::samples
+                        ? fmt::format("sample count{}", kShares[static_cast<int>(c.share)])
+                        : fmt::format("{}{}{}", kStatistics[static_cast<int>(c.statistic)], name,
+                                      kShares[static_cast<int>(c.share)]));
+  }
+  return names;
+}
+
 void print_filter(const FilterDescription& d) {
-  fmt::print("{:10} {}{}\n", d.name, d.summary, d.source.empty() ? "" : fmt::format("  [{}]", d.source));
-  fmt::print("{:10} halo {} px\n", "", parse_filter(d.name).halo());
+  fmt::print("{:16} {}{}\n", d.name, d.summary, d.source.empty() ? "" : fmt::format("  [{}]", d.source));
+  const FilterPlan plan = parse_filter(d.name);
+  double flops = 0;
+  for (const Pass& p : plan.passes()) flops += p.flops;
+  fmt::print("{:16} halo {} px; {:.0f} operations and {:.0f} bytes of scratch per pixel\n", "", plan.halo(),
+             flops, sizeof(float) * d.scratch(plan.parameters));
+  fmt::print("{:16} takes {}\n", "", fmt::join(input_names(plan.inputs()), ", "));
   for (const Parameter& p : d.parameters)
-    fmt::print("{:10}   {:14} {} (default {}{}{})  {}\n", "", p.name, accepted(p), standard(p),
-               p.unit.empty() ? "" : " ", p.unit, p.meaning);
+    fmt::print("{:16}   {:14} {} (default {}{}{})  {}{}\n", "", p.name, accepted(p), standard(p),
+               p.unit.empty() ? "" : " ", p.unit, p.meaning,
+               p.source.empty() ? "" : fmt::format("  [{}]", p.source));
 }
 
 }  // namespace

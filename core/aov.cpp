@@ -90,9 +90,9 @@ int FilmLayout::sum(Aov a, int channel, Half h, int power) const {
   return first_[static_cast<int>(a)] + 2 * ((power - 1) * info(a).channels + channel) + static_cast<int>(h);
 }
 
-std::vector<Channel> channels_of(Aov a, Statistic statistic) {
+std::vector<Channel> channels_of(Aov a, Statistic statistic, Share share) {
   std::vector<Channel> channels;
-  for (int c = 0; c < info(a).channels; ++c) channels.push_back({a, c, statistic});
+  for (int c = 0; c < info(a).channels; ++c) channels.push_back({a, c, statistic, share});
   return channels;
 }
 

@@ -160,16 +160,22 @@ enum class Statistic : std::uint8_t {
   mean,  // of the valid samples; depth: of the hits. 0 where there is no sample. Point AOVs: the value
   variance_of_mean,  // unbiased sample variance / n, never negative; 0 where n < 2
   third_moment,      // mean of the cubed distances from the mean; 0 where there is no sample
+  samples,           // how many valid ones there are, whatever the AOV
 };
+// Of which samples: all of the part that is developed, or one half of them. A half has no halves of its own:
+// there, both are the half itself, and a filter that compares halves compares it with itself.
+enum class Share : std::uint8_t { all, a, b };
 struct Channel {
   Aov aov = Aov::color;
   int index = 0;
   Statistic statistic = Statistic::mean;
+  Share share = Share::all;
   bool operator==(const Channel&) const = default;
 };
+inline constexpr Channel kSampleCount{Aov::color, 0, Statistic::samples};
 
 // All channels of an AOV.
-std::vector<Channel> channels_of(Aov, Statistic = Statistic::mean);
+std::vector<Channel> channels_of(Aov, Statistic = Statistic::mean, Share = Share::all);
 
 AovSet aovs_of(const std::vector<Channel>&);
 

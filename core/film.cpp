@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "core/ranks.h"
@@ -76,39 +77,75 @@ void join(Block& a, const Block& b, const FilmLayout& layout) {
   a.samples.end = b.samples.end;
 }
 
-Image developed(const Image& sums, const FilmLayout& layout, std::span<const Channel> channels, Part part) {
-  Image out(sums.region(), static_cast<int>(channels.size()));
-  const auto scratch = [&] { return std::vector<float>(static_cast<std::size_t>(sums.region().area())); };
-  std::vector<float> count = scratch(), hits = scratch(), sum = scratch(), square = scratch(),
-                     cube = scratch();
-  take(sums, FilmLayout::count(Half::a), part, count);
-  take(sums, FilmLayout::hits(Half::a), part, hits);
-  for (std::size_t k = 0; k < channels.size(); ++k) {
-    const Channel& c = channels[k];
-    const auto to = out.plane(static_cast<int>(k));
-    const auto power = [&](int n, std::vector<float>& at) {
-      take(sums, layout.sum(c.aov, c.index, Half::a, n), part, at);
-    };
-    const Plane n = c.aov == Aov::depth ? hits : count;
+namespace {
+
+// The part that a channel speaks of when `part` is developed.
+Part part_of(Share share, Part part) {
+  if (share == Share::all || part != Part::all) return part;
+  return share == Share::a ? Part::a : Part::b;
+}
+
+// Develops channels of one film, keeping the sums it works on.
+class Developer {
+ public:
+  Developer(const Image& sums, const FilmLayout& layout) : sums_(sums), layout_(layout) {
+    for (std::vector<float>* v : {&count_, &hits_, &sum_, &square_, &cube_})
+      v->resize(static_cast<std::size_t>(sums.region().area()));
+  }
+
+  void develop(const Channel& c, Part part, std::span<float> to) {
     const Reduction reduction = info(c.aov).reduction;
     assert(reduction != Reduction::ranks && (reduction != Reduction::per_sample || part != Part::all));
-    if (reduction == Reduction::point) {
-      take(sums, layout.sum(c.aov, c.index, Half::a), Part::all, to);
-      continue;
-    }
-    power(1, sum);
-    if (c.statistic != Statistic::mean) power(2, square);
-    if (reduction == Reduction::per_sample) {
-      std::ranges::copy(sum, to.begin());
-    } else if (c.statistic == Statistic::variance_of_mean) {
-      variance_of_mean(sum, square, n, to);
-    } else if (c.statistic == Statistic::third_moment) {
-      power(3, cube);
-      third_moment(sum, square, cube, n, to);
+    count(part);
+    if (c.statistic == Statistic::samples) {
+      std::ranges::copy(count_, to.begin());
+    } else if (reduction == Reduction::point) {
+      take(sums_, layout_.sum(c.aov, c.index, Half::a), Part::all, to);
+    } else if (reduction == Reduction::per_sample) {
+      power(c, 1, part, sum_);
+      std::ranges::copy(sum_, to.begin());
     } else {
-      mean(sum, n, c.aov == Aov::depth ? kSkyDepth : 0.0f, to);
+      statistic(c, part, to);
     }
   }
+
+ private:
+  void count(Part part) {
+    if (counted_ == part) return;
+    take(sums_, FilmLayout::count(Half::a), part, count_);
+    take(sums_, FilmLayout::hits(Half::a), part, hits_);
+    counted_ = part;
+  }
+  void power(const Channel& c, int n, Part part, std::vector<float>& to) {
+    take(sums_, layout_.sum(c.aov, c.index, Half::a, n), part, to);
+  }
+  void statistic(const Channel& c, Part part, std::span<float> to) {
+    const Plane n = c.aov == Aov::depth ? hits_ : count_;
+    power(c, 1, part, sum_);
+    if (c.statistic != Statistic::mean) power(c, 2, part, square_);
+    if (c.statistic == Statistic::variance_of_mean) {
+      variance_of_mean(sum_, square_, n, to);
+    } else if (c.statistic == Statistic::third_moment) {
+      power(c, 3, part, cube_);
+      third_moment(sum_, square_, cube_, n, to);
+    } else {
+      mean(sum_, n, c.aov == Aov::depth ? kSkyDepth : 0.0f, to);
+    }
+  }
+
+  const Image& sums_;
+  const FilmLayout& layout_;
+  std::optional<Part> counted_;  // what count_ and hits_ hold
+  std::vector<float> count_, hits_, sum_, square_, cube_;
+};
+
+}  // namespace
+
+Image developed(const Image& sums, const FilmLayout& layout, std::span<const Channel> channels, Part part) {
+  Image out(sums.region(), static_cast<int>(channels.size()));
+  Developer developer(sums, layout);
+  for (std::size_t k = 0; k < channels.size(); ++k)
+    developer.develop(channels[k], part_of(channels[k].share, part), out.plane(static_cast<int>(k)));
   return out;
 }
 

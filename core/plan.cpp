@@ -7,7 +7,7 @@
 namespace tessera {
 
 AovSet film_aovs(const Job& job) {
-  return job.render.aovs | AovSet{Aov::color} | aovs_of(job.filter.description().inputs);
+  return job.render.aovs | AovSet{Aov::color} | aovs_of(job.filter.inputs());
 }
 
 std::vector<Tile> plan_tiles(const Job& job) { return tiles_over(job.region(), job.tile, job.filter.halo()); }

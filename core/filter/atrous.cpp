@@ -20,28 +20,32 @@ std::vector<Parameter> parameters() {
   };
 }
 
-std::vector<Channel> inputs() {
+std::vector<Channel> inputs(const ParameterValues&) {
   std::vector<Channel> all;
-  for (const Aov a : {Aov::color, Aov::emission, Aov::albedo, Aov::normal, Aov::position, Aov::depth})
-    for (const Channel& c : channels_of(a)) all.push_back(c);
+  append(all, {Aov::color, Aov::emission, Aov::albedo, Aov::normal, Aov::position, Aov::depth});
+  return all;
+}
+
+std::vector<Pass> passes(const ParameterValues& values) {
+  constexpr double kTap = 9 + 15 + 6 + kExpFlops + 1 + 7;  // differences, squares, exponent, weight, sums
+  std::vector<Pass> all;
+  append_levels(all, {.kernel = "atrous_level", .flops = 24 * kTap + 4 * 8 + 20, .floats = 6 + 3 + 3},
+                static_cast<int>(values.find("levels")->second));
   return all;
 }
 
 }  // namespace
 
 FilterDescription describe_atrous() {
-  return {
-      "atrous",
-      "edge-avoiding a-trous wavelets, steered by colour, normal and position",
-      "H. Dammertz, D. Sewtz, J. Hanika, H. Lensch: Edge-Avoiding A-Trous Wavelet Transform for fast Global"
-      " Illumination Filtering, HPG 2010",
-      inputs(),
-      parameters(),
-      [](const ParameterValues& values) {
-        std::vector<Pass> passes;
-        append_levels(passes, "atrous_level", static_cast<int>(values.find("levels")->second));
-        return passes;
-      }};
+  return {.name = "atrous",
+          .summary = "edge-avoiding a-trous wavelets, steered by colour, normal and position",
+          .source =
+              "H. Dammertz, D. Sewtz, J. Hanika, H. Lensch: Edge-Avoiding A-Trous Wavelet Transform for fast"
+              " Global Illumination Filtering, HPG 2010",
+          .parameters = parameters(),
+          .inputs = inputs,
+          .passes = passes,
+          .scratch = [](const ParameterValues&) { return 6.0 + 2 * 3; }};
 }
 
 }  // namespace tessera

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/filter/filter.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
+#include <limits>
 #include <numeric>
 
 #include "core/filter/descriptions.h"
@@ -14,8 +16,17 @@ std::span<const FilterDescription> filters() {
   return all;
 }
 
-void append_levels(std::vector<Pass>& passes, std::string_view kernel, int levels) {
-  for (int i = 0; i < levels; ++i) passes.push_back({kernel, 1 << i, 2 << i});
+void append_levels(std::vector<Pass>& passes, const Pass& first, int levels) {
+  for (int i = 0; i < levels; ++i) {
+    passes.push_back(first);
+    passes.back().step = 1 << i;
+    passes.back().radius = 2 << i;
+  }
+}
+
+void append(std::vector<Channel>& to, std::initializer_list<Aov> aovs, Statistic statistic, Share share) {
+  for (const Aov a : aovs)
+    for (const Channel& c : channels_of(a, statistic, share)) to.push_back(c);
 }
 
 Parameter levels_parameter(std::string_view source) {
@@ -34,7 +45,24 @@ const FilterDescription& FilterPlan::description() const {
   assert(!"a plan is parsed or validated before it is used");
   __builtin_unreachable();
 }
+std::vector<Channel> FilterPlan::inputs() const { return description().inputs(parameters); }
 std::vector<Pass> FilterPlan::passes() const { return description().passes(parameters); }
 int FilterPlan::halo() const { return tessera::halo(passes()); }
+bool FilterPlan::is(std::string_view parameter, std::string_view choice) const {
+  const auto& all = description().parameters;
+  const auto p = std::ranges::find(all, parameter, &Parameter::name);
+  assert(p != all.end() && std::ranges::count(p->choices, choice) == 1);
+  return p->choices[static_cast<std::size_t>((*this)[parameter])] == choice;
+}
+
+FilterPlan resolved(FilterPlan plan, const SceneFacts& facts) {
+  for (const Parameter& p : plan.description().parameters) {
+    double& value = plan.parameters.find(p.name)->second;
+    if (p.fact == SceneFact::none || value != 0) continue;
+    const double fact = p.fact == SceneFact::diameter ? facts.diameter : facts.light;
+    value = fact > 0 ? std::clamp(fact, std::numeric_limits<double>::min(), p.high) : 1;
+  }
+  return plan;
+}
 
 }  // namespace tessera

@@ -3,6 +3,7 @@
 // The arithmetic lives in worker/denoise/kernels; the scalar references in tests/reference.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <span>
 #include <string>
@@ -13,15 +14,24 @@
 
 namespace tessera {
 
-// One kernel run over the region that later passes still need. `radius` is how far it reads, in pixels.
+// One kernel run over the region that later passes still need (or several of one name, counted as one).
 struct Pass {
   std::string_view kernel;
   int step = 1;
-  int radius = 0;
+  int radius = 0;                // how far it reads, in pixels
+  double flops = 0, floats = 0;  // of a pixel: operations (a fused multiply-add is two); floats that must be
+                                 // read and written, each plane once
 };
 
 // The reach of the passes run one after another: the sum of the radii.
 int halo(std::span<const Pass> passes);
+
+// What only the whole scene knows. 0: not known.
+struct SceneFacts {
+  double diameter = 0;  // of everything in it, world units
+  double light = 0;     // mean luminance of what emits
+};
+enum class SceneFact : std::uint8_t { none, diameter, light };
 
 // A number with its unit and source, or a choice among names.
 struct Parameter {
@@ -29,15 +39,19 @@ struct Parameter {
   double low = 0, high = 0, standard = 0;  // inclusive range and default; whole numbers where `integral`
   bool integral = false;
   std::vector<std::string_view> choices = {};  // not empty: the value is an index into these
+  SceneFact fact = SceneFact::none;            // whose place a 0 takes: see resolved()
 };
 
 using ParameterValues = std::map<std::string, double, std::less<>>;
 
 struct FilterDescription {
   std::string_view name, summary, source;
-  std::vector<Channel> inputs;  // in the order in which the kernels take them
   std::vector<Parameter> parameters;
+  // In the order in which the kernels take them.
+  std::vector<Channel> (*inputs)(const ParameterValues&);
   std::vector<Pass> (*passes)(const ParameterValues&);
+  // Floats of working memory a pixel of the outer region takes, beside inputs and output.
+  double (*scratch)(const ParameterValues&);
 };
 
 // All filters, by name. `none` is one: it has no passes.
@@ -49,9 +63,12 @@ struct FilterPlan {
   ParameterValues parameters;  // all of them, defaults filled in
 
   const FilterDescription& description() const;
+  std::vector<Channel> inputs() const;
   std::vector<Pass> passes() const;
   int halo() const;
   double operator[](std::string_view parameter) const { return parameters.find(parameter)->second; }
+  // Which of the parameter's choices is taken.
+  bool is(std::string_view parameter, std::string_view choice) const;
   bool operator==(const FilterPlan&) const = default;
 };
 
@@ -60,6 +77,9 @@ struct FilterPlan {
 FilterPlan parse_filter(std::string_view text);
 // The inverse: the name with every parameter that is not at its default.
 std::string to_string(const FilterPlan&);
+// With the scene's facts in place of zeros; a fact that is not known counts as 1. Once per frame, before it
+// is cut into tiles.
+FilterPlan resolved(FilterPlan, const SceneFacts&);
 // Throws Error(bad_input) unless every parameter is known, present and in range: for plans that come by
 // message.
 void validate(const FilterPlan&);

@@ -5,10 +5,13 @@
 namespace tessera {
 
 FilterDescription describe_none() {
-  return {"none", "the noisy image as it is",
-          "",     channels_of(Aov::color),
-          {},     [](const ParameterValues&) {
-            return std::vector<Pass>{}; }};
+  return {.name = "none",
+          .summary = "the noisy image as it is",
+          .source = "",
+          .parameters = {},
+          .inputs = [](const ParameterValues&) { return channels_of(Aov::color); },
+          .passes = [](const ParameterValues&) { return std::vector<Pass>{}; },
+          .scratch = [](const ParameterValues&) { return 0.0; }};
 }
 
 }  // namespace tessera

@@ -37,29 +37,42 @@ std::vector<Parameter> parameters() {
   };
 }
 
-std::vector<Channel> inputs() {
+std::vector<Channel> inputs(const ParameterValues&) {
   std::vector<Channel> all;
-  for (const Aov a : {Aov::direct, Aov::indirect, Aov::emission, Aov::albedo, Aov::normal, Aov::depth})
-    for (const Channel& c : channels_of(a)) all.push_back(c);
-  for (const Aov a : {Aov::direct, Aov::indirect})
-    for (const Channel& c : channels_of(a, Statistic::variance_of_mean)) all.push_back(c);
+  append(all, {Aov::direct, Aov::indirect, Aov::emission, Aov::albedo, Aov::normal, Aov::depth});
+  append(all, {Aov::direct, Aov::indirect}, Statistic::variance_of_mean);
+  return all;
+}
+
+std::vector<Pass> passes(const ParameterValues& values) {
+  constexpr double kGeometry = 2 + 5 + 2 + 7;  // depth, cosine, bounds, seven squarings
+  constexpr double kChord = 7.0 / 2;           // half a depth scale per tap
+  constexpr double kLightTap = 3 + 5 + 3 + kExpFlops + 1 + 1 + 6 + 3;  // differences, luminance, weight, sums
+  constexpr double kFloats = 4 + 8 + 8;
+  std::vector<Pass> all;
+  if (values.find("variance")->second == from_picture)
+    all.push_back(
+        {"svgf_variance_spatial", 1, 3, 48 * (kGeometry + kChord + kExpFlops + 2 + 2 * 17) + 40, kFloats});
+  else
+    all.push_back({"svgf_variance_samples", 1, 3, 48 * (kGeometry + kChord + kExpFlops + 6) + 20, kFloats});
+  append_levels(all,
+                {.kernel = "svgf_level",
+                 .flops = 24 * (kGeometry + kChord + 2 * kLightTap) + 2 * (9 * 4 + 20) + 20,
+                 .floats = kFloats},
+                static_cast<int>(values.find("levels")->second));
   return all;
 }
 
 }  // namespace
 
 FilterDescription describe_svgf() {
-  return {"svgf",
-          "five variance-guided a-trous levels; direct and indirect light apart",
-          "C. Schied et al.: Spatiotemporal Variance-Guided Filtering, HPG 2017",
-          inputs(),
-          parameters(),
-          [](const ParameterValues& values) {
-            const bool picture = values.find("variance")->second == from_picture;
-            std::vector<Pass> passes{{picture ? "svgf_variance_spatial" : "svgf_variance_samples", 1, 3}};
-            append_levels(passes, "svgf_level", static_cast<int>(values.find("levels")->second));
-            return passes;
-          }};
+  return {.name = "svgf",
+          .summary = "five variance-guided a-trous levels; direct and indirect light apart",
+          .source = "C. Schied et al.: Spatiotemporal Variance-Guided Filtering, HPG 2017",
+          .parameters = parameters(),
+          .inputs = inputs,
+          .passes = passes,
+          .scratch = [](const ParameterValues&) { return 4.0 + 2 * 8; }};
 }
 
 }  // namespace tessera

@@ -7,20 +7,23 @@
 namespace tessera::reference {
 
 Features::Features(const FilterPlan& plan, const Image& input) : input_(input) {
+  for (auto& of_aov : first_plane_)
+    for (auto& of_statistic : of_aov) std::ranges::fill(of_statistic, -1);
   int plane = 0;
-  for (const Channel& c : plan.description().inputs) {
-    if (c.index == 0) first_plane_[static_cast<int>(c.aov)][static_cast<int>(c.statistic)] = plane;
+  for (const Channel& c : plan.inputs()) {
+    if (c.index == 0)
+      first_plane_[static_cast<int>(c.aov)][static_cast<int>(c.statistic)][static_cast<int>(c.share)] = plane;
     ++plane;
   }
   for (int y = region().y0; y < region().y1; ++y)
     for (int x = region().x0; x < region().x1; ++x) {
       valid_.push_back(finite_and_no_sky(x, y));
-      normals_.push_back(direction(rgb(Aov::normal, x, y)));
+      if (has(Aov::normal)) normals_.push_back(direction(rgb(Aov::normal, x, y)));
     }
 }
 
 bool Features::finite_and_no_sky(int x, int y) const {
-  if (at(Aov::depth, 0, x, y) >= kSkyDepth) return false;
+  if (has(Aov::depth) && at(Aov::depth, 0, x, y) >= kSkyDepth) return false;
   for (int k = 0; k < input_.planes(); ++k)
     if (!std::isfinite(input_.at(k, x, y))) return false;
   return true;

@@ -170,15 +170,16 @@ void ClDevice::fill(cl::Buffer& buffer, float value, std::size_t first, std::siz
   if (count > 0) queue_.enqueueFillBuffer(buffer, value, first * sizeof(float), count * sizeof(float));
 }
 
-cl::Buffer& ClDevice::workspace(int slot, std::size_t floats) {
-  if (floats > room_[slot]) {
-    layout_.clear();
-    room_[slot] = 0;
-    workspace_[slot] = cl::Buffer();  // the old one goes before the new one comes
-    workspace_[slot] = cl::Buffer(context_, CL_MEM_READ_WRITE, floats * sizeof(float));
-    room_[slot] = floats;
+Workspace& ClDevice::workspace(int slot, std::size_t floats) {
+  if (static_cast<std::size_t>(slot) >= workspaces_.size())
+    workspaces_.resize(static_cast<std::size_t>(slot) + 1);
+  Workspace& space = workspaces_[static_cast<std::size_t>(slot)];
+  if (floats > space.room) {
+    space = {};  // the old one goes before the new one comes
+    space.buffer = cl::Buffer(context_, CL_MEM_READ_WRITE, floats * sizeof(float));
+    space.room = floats;
   }
-  return workspace_[slot];
+  return space;
 }
 
 void rethrow(const cl::Error& e, const DeviceInfo& info) {

@@ -11,6 +11,7 @@
 #include <mutex>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "worker/denoise/device.h"
 
@@ -20,6 +21,13 @@ namespace tessera {
 struct KernelTime {
   std::string kernel;
   double seconds = 0;
+};
+
+// A buffer that outlives the filter runs that use it.
+struct Workspace {
+  cl::Buffer buffer;
+  std::size_t room = 0;  // floats
+  std::string pads;      // what the pads around its planes hold: whoever finds another value fills them anew
 };
 
 class ClDevice : public Device {
@@ -47,12 +55,8 @@ class ClDevice : public Device {
   void finish(cl::Buffer& buffer, std::span<float> memory);
   void fill(cl::Buffer&, float value, std::size_t first, std::size_t count);
 
-  // Buffer number `slot` with room for `floats`, kept and only ever grown. `grew` tells that its content is
-  // new.
-  static constexpr int kSlots = 3;
-  cl::Buffer& workspace(int slot, std::size_t floats);
-  // What the workspace is laid out for now: whoever finds another value here prepares it anew.
-  std::string& workspace_layout() { return layout_; }
+  // Buffer number `slot` with room for `floats`, kept and only ever grown.
+  Workspace& workspace(int slot, std::size_t floats);
 
  private:
   cl::Device device_;
@@ -62,9 +66,7 @@ class ClDevice : public Device {
   int vector_width_;
   std::mutex mutex_;
   std::map<std::string, cl::Program> programs_;  // by options and source
-  cl::Buffer workspace_[kSlots];
-  std::size_t room_[kSlots] = {};
-  std::string layout_;
+  std::vector<Workspace> workspaces_;
   std::vector<KernelTime>* times_ = nullptr;
   std::vector<cl::Event> events_;  // of the entries of *times_ that have no time yet
 };

@@ -9,7 +9,7 @@
 
 namespace tessera {
 
-// `input`: the planes of plan.description().inputs, in that order, over tile.outer. `frame` is the whole
+// `input`: the planes of plan.inputs(), in that order, over tile.outer. `frame` is the whole
 // frame (or crop): what lies outside it is skipped by every tap. Returns RGB over tile.inner.
 Image filter(Device&, const FilterPlan&, const Image& input, const Tile& tile, const Region& frame);
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "tests/worker/denoise/cases.h"
 #include "tests/worker/denoise/inputs.h"
 #include "worker/denoise/runner.h"
 
@@ -35,8 +36,5 @@ class OnDevice : public testing::Test {
 
   std::unique_ptr<Device> device_;
 };
-
-// The filters with kernels, and each of their variants.
-inline constexpr std::string_view kFilterTexts[] = {"atrous", "svgf", "svgf:variance=spatial"};
 
 }  // namespace tessera

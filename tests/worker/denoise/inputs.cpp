@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <stdexcept>
 
 namespace tessera {
 namespace {
@@ -40,19 +41,45 @@ struct Pixel {
     const float z = depth();
     return i == 0 ? 0.001f * z * x : i == 1 ? -0.001f * z * y : -z;
   }
+  float samples() { return constant() ? 16.0f : 4.0f + 2.0f * std::floor(6 * uniform()); }
+  // A hump over the bins about the light's, as counts of one sample.
+  float bin(int i) {
+    const float distance = std::abs(static_cast<float>(i) - (near() ? 9.0f : 6.0f));
+    const float noise = constant() ? 1 : uniform();
+    return distance > 3 ? 0 : (4 - distance) / 16 * noise;
+  }
+  float sample_value(int i) {
+    if (i >= SampleVector::color) return light();
+    if (i >= SampleVector::albedo) return near() ? 0.9f * uniform() : 0.25f;
+    if (i >= SampleVector::normal2) return normal(i - SampleVector::normal2);
+    if (i >= SampleVector::position2) return position(i - SampleVector::position2) + uniform();
+    if (i >= SampleVector::normal) return normal(i - SampleVector::normal);
+    if (i >= SampleVector::position) return position(i - SampleVector::position);
+    if (i == SampleVector::screen) return static_cast<float>(x) + uniform();
+    if (i == SampleVector::screen + 1) return static_cast<float>(y) + uniform();
+    return uniform();
+  }
   float value(const Channel& c) {
     if (c.statistic == Statistic::variance_of_mean) return variance();
+    if (c.statistic == Statistic::third_moment) return 0.02f * (uniform() - 0.3f);
+    if (c.statistic == Statistic::samples) return samples();
     switch (c.aov) {
       case Aov::emission:
         return constant() || kind == "extreme" ? 0 : 0.1f * uniform();
       case Aov::albedo:
+      case Aov::texture2:
         return constant() ? 0.5f : near() ? 0.9f * uniform() : 0.25f;
       case Aov::normal:
+      case Aov::bounce:
         return normal(c.index);
       case Aov::position:
         return position(c.index);
       case Aov::depth:
         return depth();
+      case Aov::histogram:
+        return bin(c.index % kHistogramBins);
+      case Aov::sample_vectors:
+        return sample_value(c.index % SampleVector::size);
       default:
         return light();
     }
@@ -61,22 +88,37 @@ struct Pixel {
 
 }  // namespace
 
+Aov light_of(const FilterPlan& plan) {
+  const std::vector<Channel> inputs = plan.inputs();
+  const bool color = std::ranges::any_of(
+      inputs, [](const Channel& c) { return c.aov == Aov::color && c.statistic == Statistic::mean; });
+  return color ? Aov::color : Aov::indirect;
+}
+
 int plane_of(const FilterPlan& plan, Aov aov, int index, Statistic statistic) {
-  const auto& inputs = plan.description().inputs;
-  return static_cast<int>(std::ranges::find(inputs, Channel{aov, index, statistic}) - inputs.begin());
+  const std::vector<Channel> inputs = plan.inputs();
+  for (const Share share : {Share::all, Share::a})
+    if (const auto at = std::ranges::find(inputs, Channel{aov, index, statistic, share}); at != inputs.end())
+      return static_cast<int>(at - inputs.begin());
+  throw std::logic_error(plan.name + " takes no such channel");
 }
 
 void put_sky(Image& input, const FilterPlan& plan, int x, int y, float radiance) {
-  const auto& inputs = plan.description().inputs;
+  const std::vector<Channel> inputs = plan.inputs();
   for (int k = 0; k < input.planes(); ++k) {
     const Aov a = inputs[k].aov;
+    if (inputs[k].statistic == Statistic::samples) continue;
+    if (inputs[k].statistic != Statistic::mean) {
+      input.at(k, x, y) = 0;
+      continue;
+    }
     const bool bright = a == Aov::color || a == Aov::emission;
     input.at(k, x, y) = bright ? radiance : a == Aov::albedo ? 1.0f : a == Aov::depth ? kSkyDepth : 0.0f;
   }
 }
 
 Image made_up_input(const FilterPlan& plan, const Region& region, std::string_view kind, unsigned seed) {
-  const auto& inputs = plan.description().inputs;
+  const std::vector<Channel> inputs = plan.inputs();
   Image image(region, static_cast<int>(inputs.size()));
   for (int y = region.y0; y < region.y1; ++y)
     for (int x = region.x0; x < region.x1; ++x) {

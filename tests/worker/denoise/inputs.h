@@ -14,11 +14,14 @@ namespace tessera {
 // extreme: light from 1e-30 to 1e30
 inline constexpr std::string_view kKinds[] = {"noise", "constant", "sky", "converged", "firefly", "extreme"};
 
-// The planes of plan.description().inputs over `region`. A pixel's values depend on its coordinates and
+// The planes of plan.inputs() over `region`. A pixel's values depend on its coordinates and
 // `seed` only.
 Image made_up_input(const FilterPlan& plan, const Region& region, std::string_view kind, unsigned seed = 1);
 
-// The plane of a channel in the filter's input.
+// The AOV in which the filter takes light: color, or indirect where it takes direct and indirect light apart.
+Aov light_of(const FilterPlan& plan);
+
+// The plane of a channel in the filter's input, of half A where it takes halves.
 int plane_of(const FilterPlan& plan, Aov aov, int index, Statistic statistic = Statistic::mean);
 
 // Makes (x, y) sky of the given radiance.

@@ -2,9 +2,8 @@
 // The edge-avoiding a-trous wavelet transform (Dammertz et al. 2010) on demodulated colour.
 //   guides: 0..2 position (0 is +infinity at invalid pixels)   3..5 normal      signal: 0..2 illumination
 
-// input: color, emission, albedo, normal (3 each), position 3, depth 1 over w x h pixels.
 kernel void prepare(global const float* restrict input, int w, int h, global float* restrict guides,
-                    global float* restrict signal, int stride, long plane, long origin, float sky) {
+                    global float* restrict signal, int stride, long plane, long origin) {
   const int y = get_global_id(1);
   const size_t area = (size_t)w * h;
   if (y >= h) return;
@@ -12,17 +11,17 @@ kernel void prepare(global const float* restrict input, int w, int h, global flo
     global const float* in = input + (size_t)y * w + x;
     const int n = w - x;
     const size_t p = origin + (size_t)y * stride + x;
-    const vf depth = load_first(in + 15 * area, n, INFINITY);
-    vi valid = ordinary(depth) & (depth < (vf)sky);
+    const vf depth = load_first(in + IN_DEPTH * area, n, INFINITY);
+    vi valid = ordinary(depth) & (depth < (vf)SKY);
     vf illumination[3], guide[6], norm = 0.0f;
     for (int c = 0; c < 3; ++c) {
-      const vf color = load_first(in + c * area, n, 0.0f);
-      const vf emission = load_first(in + (3 + c) * area, n, 0.0f);
-      const vf albedo = load_first(in + (6 + c) * area, n, 0.0f);
+      const vf color = load_first(in + (IN_COLOR + c) * area, n, 0.0f);
+      const vf emission = load_first(in + (IN_EMISSION + c) * area, n, 0.0f);
+      const vf albedo = load_first(in + (IN_ALBEDO + c) * area, n, 0.0f);
       valid &= ordinary(color) & ordinary(emission) & ordinary(albedo);
       illumination[c] = (color - emission) / albedo_floored(albedo);
-      guide[c] = load_first(in + (12 + c) * area, n, 0.0f);
-      guide[3 + c] = load_first(in + (9 + c) * area, n, 0.0f);
+      guide[c] = load_first(in + (IN_P + c) * area, n, 0.0f);
+      guide[3 + c] = load_first(in + (IN_N + c) * area, n, 0.0f);
       valid &= ordinary(guide[c]) & ordinary(guide[3 + c]);
       norm = fma(guide[3 + c], guide[3 + c], norm);
     }
@@ -109,9 +108,9 @@ kernel void finish(global const float* restrict input, int w, int h, global cons
     const size_t p = origin + (size_t)y * stride + x;
     const vi valid = load(guides + p) < (vf)INFINITY;
     for (int c = 0; c < 3; ++c) {
-      const vf color = load_first(in + c * area, n, 0.0f);
-      const vf emission = load_first(in + (3 + c) * area, n, 0.0f);
-      const vf albedo = load_first(in + (6 + c) * area, n, 0.0f);
+      const vf color = load_first(in + (IN_COLOR + c) * area, n, 0.0f);
+      const vf emission = load_first(in + (IN_EMISSION + c) * area, n, 0.0f);
+      const vf albedo = load_first(in + (IN_ALBEDO + c) * area, n, 0.0f);
       const vf filtered = load(signal + c * plane + p) * albedo_floored(albedo) + emission;
       const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
       store_first(valid ? filtered : kept, output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), n);

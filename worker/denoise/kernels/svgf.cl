@@ -16,9 +16,8 @@ vf luminance_variance(const vf* variance, const vf* albedo) {
   return squared < (vf)LARGEST_VARIANCE ? squared : (vf)LARGEST_VARIANCE;
 }
 
-// input: direct, indirect, emission, albedo, normal (3 each), depth 1, variance of direct 3, of indirect 3.
 kernel void prepare(global const float* restrict input, int w, int h, global float* restrict guides,
-                    global float* restrict signal, int stride, long plane, long origin, float sky) {
+                    global float* restrict signal, int stride, long plane, long origin) {
   const int y = get_global_id(1);
   const size_t area = (size_t)w * h;
   if (y >= h) return;
@@ -26,20 +25,20 @@ kernel void prepare(global const float* restrict input, int w, int h, global flo
     global const float* in = input + (size_t)y * w + x;
     const int n = w - x;
     const size_t p = origin + (size_t)y * stride + x;
-    const vf depth = load_first(in + 15 * area, n, INFINITY);
-    vi valid = ordinary(depth) & (depth < (vf)sky);
+    const vf depth = load_first(in + IN_DEPTH * area, n, INFINITY);
+    vi valid = ordinary(depth) & (depth < (vf)SKY);
     vf light[6], variance[6], albedo[3], normal[3], norm = 0.0f;
     for (int c = 0; c < 3; ++c) {
-      const vf emission = load_first(in + (6 + c) * area, n, 0.0f);
-      albedo[c] = load_first(in + (9 + c) * area, n, 0.0f);
-      normal[c] = load_first(in + (12 + c) * area, n, 0.0f);
+      const vf emission = load_first(in + (IN_EMISSION + c) * area, n, 0.0f);
+      albedo[c] = load_first(in + (IN_ALBEDO + c) * area, n, 0.0f);
+      normal[c] = load_first(in + (IN_N + c) * area, n, 0.0f);
       valid &= ordinary(emission) & ordinary(albedo[c]) & ordinary(normal[c]);
       albedo[c] = albedo_floored(albedo[c]);
       norm = fma(normal[c], normal[c], norm);
     }
     for (int c = 0; c < 6; ++c) {
-      light[c] = load_first(in + c * area, n, 0.0f);
-      variance[c] = load_first(in + (16 + c) * area, n, 0.0f);
+      light[c] = load_first(in + (IN_DIRECT + c) * area, n, 0.0f);
+      variance[c] = load_first(in + (IN_DIRECT_VARIANCE + c) * area, n, 0.0f);
       valid &= ordinary(light[c]) & (variance[c] >= (vf)0.0f) & (variance[c] <= (vf)INFINITY);
       store(valid ? light[c] / albedo[c % 3] : (vf)0.0f, signal + c * plane + p);
     }
@@ -274,9 +273,9 @@ kernel void finish(global const float* restrict input, int w, int h, global cons
     const size_t p = origin + (size_t)y * stride + x;
     const vi valid = load(guides + p) < (vf)INFINITY;
     for (int c = 0; c < 3; ++c) {
-      const vf direct = load_first(in + c * area, n, 0.0f), indirect = load_first(in + (3 + c) * area, n, 0.0f);
-      const vf emission = load_first(in + (6 + c) * area, n, 0.0f);
-      const vf albedo = load_first(in + (9 + c) * area, n, 0.0f);
+      const vf direct = load_first(in + (IN_DIRECT + c) * area, n, 0.0f), indirect = load_first(in + (IN_INDIRECT + c) * area, n, 0.0f);
+      const vf emission = load_first(in + (IN_EMISSION + c) * area, n, 0.0f);
+      const vf albedo = load_first(in + (IN_ALBEDO + c) * area, n, 0.0f);
       const vf light = load(signal + c * plane + p) + load(signal + (3 + c) * plane + p);
       const vf color = direct + indirect + emission;
       const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/reference/references.h"
+
+#include <map>
+#include <string_view>
+
+#include "tests/reference/atrous.h"
+#include "tests/reference/svgf.h"
+
+namespace tessera::reference {
+
+Image filtered(const FilterPlan& plan, const Image& input) {
+  static const std::map<std::string_view, Image (*)(const FilterPlan&, const Image&)> all{
+      {"atrous", atrous},
+      {"svgf", svgf},
+  };
+  return all.at(plan.name)(plan, input);
+}
+
+}  // namespace tessera::reference

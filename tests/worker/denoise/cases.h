@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// The filters with kernels, and each of their variants: what every one of them is tested for.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+namespace tessera {
+
+struct FilterCase {
+  std::string_view text;
+  // Largest relative difference from the scalar reference; with light of sixty decades (0: the formula says
+  // nothing there).
+  double relative = 1e-4, extreme = 1e-3;
+  // Largest relative change of a constant picture; 0: not a bit.
+  double constant = 0;
+  // Sky passes through and is no pixel's neighbour; a pixel that is not finite is handled likewise.
+  bool parts_sky = true;
+  // Commutes with a turn of the picture by 180 degrees.
+  bool turns = true;
+  // What is computed costs so much that tests take smaller pictures.
+  bool slow = false;
+};
+
+const std::vector<FilterCase>& filter_cases();
+
+}  // namespace tessera

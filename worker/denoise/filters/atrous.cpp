@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// EAW (Dammertz et al. 2010): demodulate, five levels, modulate.
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "kernels.h"
+#include "worker/denoise/programs.h"
+
+namespace tessera {
+namespace {
+
+float log2e_over_square(double sigma) { return static_cast<float>(std::numbers::log2e / (sigma * sigma)); }
+
+// The colour's sigma halves with every level, the others double: Dammertz et al. 2010, section 3. The kernels
+// take exponents to base 2.
+cl_float4 scalars(const FilterPlan& plan, const Pass& pass) {
+  return {{log2e_over_square(plan["sigma_c"] / pass.step), log2e_over_square(plan["sigma_n"] * pass.step),
+           log2e_over_square(plan["sigma_x"] * pass.step), 0}};
+}
+
+void run(Stage& s) {
+  const Planes guides = s.planes(6, std::numeric_limits<float>::infinity());
+  Planes from = s.planes(3), to = s.planes(3);
+  s.run("prepare", s.outer(), 1, s.input(), s.outer().width(), s.outer().height(), guides, from, s.layout());
+  for (std::size_t i = 0; i < s.passes().size(); ++i, std::swap(from, to)) {
+    const Pass& pass = s.passes()[i];
+    s.run("atrous_level", s.region(i), pass.step, guides, from, to, s.layout(), s.region(i), pass.step,
+          scalars(s.plan(), pass));
+  }
+  s.run("finish", s.inner(), 1, s.input(), s.outer().width(), s.outer().height(), guides, from, s.layout(),
+        Exactly{s.inner()}, s.output());
+}
+
+}  // namespace
+
+Program atrous_program() {
+  return {"atrous", {kernels::atrous_cl}, [](const FilterPlan&) { return std::string(); }, run};
+}
+
+}  // namespace tessera

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/denoise/programs.h"
+
+#include <cassert>
+
+namespace tessera {
+
+const Program& program_of(std::string_view filter) {
+  static const Program all[]{
+      atrous_program(),
+      svgf_program(),
+  };
+  for (const Program& p : all)
+    if (p.name == filter) return p;
+  assert(!"every filter with passes has a program");
+  __builtin_unreachable();
+}
+
+}  // namespace tessera

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// The filters as programs for a device: the sources of their kernels, and what runs them. Internal to
+// worker/denoise.
+#pragma once
+
+#include "worker/denoise/stage.h"
+
+namespace tessera {
+
+struct Program {
+  std::string_view name;
+  std::vector<std::string_view> sources;      // behind kernels/common.cl
+  std::string (*options)(const FilterPlan&);  // for the kernel compiler
+  void (*run)(Stage&);                        // until the kernels that fill output() are enqueued
+};
+
+Program atrous_program();
+Program svgf_program();
+
+// Precondition: the filter has passes.
+const Program& program_of(std::string_view filter);
+
+}  // namespace tessera
