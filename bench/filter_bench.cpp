@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <map>
 #include <random>
 
@@ -176,6 +177,7 @@ void measure(ClDevice& device, std::string_view text, const Region& frame, const
   const std::vector<KernelTime> first = times;  // the rows view its names
   std::vector<Row> rows = rows_of(plan.passes(), first);
   Row whole{.kernel = "whole filter"};
+  const std::clock_t cpu = std::clock();
   for (int i = 0; i < kRuns && (i < kFewRuns || whole.seconds.front() < kLongRun); ++i) {
     times.clear();
     const auto begin = std::chrono::steady_clock::now();
@@ -183,11 +185,15 @@ void measure(ClDevice& device, std::string_view text, const Region& frame, const
     whole.seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
     add_times(rows, times);
   }
+  const double processor = static_cast<double>(std::clock() - cpu);
   device.record(nullptr);
   const double pixels = static_cast<double>(frame.area());
   for (const Row& row : rows) print(text, row, pixels, machine);
   for (const Pass& p : plan.passes()) whole.flops += p.flops, whole.floats += p.floats;
+  const double calls = static_cast<double>(whole.seconds.size());
   print(text, whole, pixels, machine);
+  fmt::print("{:<24}{:<24}{:>4}  {:>16.2f}\n", text, "processor time / units", "",
+             1e3 * processor / CLOCKS_PER_SEC / calls / device.info().compute_units);
 }
 
 void run(const std::string& name, const Region& frame, const std::vector<std::string_view>& texts) {

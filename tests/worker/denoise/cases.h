@@ -14,7 +14,7 @@ struct FilterCase {
   double relative = 1e-4, extreme = 1e-3;
   // Largest relative change of a constant picture; 0: not a bit.
   double constant = 0;
-  // Sky passes through and is no pixel's neighbour; a pixel that is not finite is handled likewise.
+  // Takes depth, so that sky passes through and is no pixel's neighbour; a pixel that is not finite likewise.
   bool parts_sky = true;
   // Commutes with a turn of the picture by 180 degrees.
   bool turns = true;

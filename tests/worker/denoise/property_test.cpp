@@ -145,7 +145,6 @@ TEST_F(Filters, TurnANonFinitePixelBlackAndKeepItToItself) {
   const float bad[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                        -std::numeric_limits<float>::infinity()};
   for (const FilterCase& c : filter_cases()) {
-    if (!c.parts_sky) continue;
     const std::string_view text = c.text;
     const FilterPlan plan = parse_filter(text);
     const Region region{0, 0, 50, 40};
@@ -159,7 +158,10 @@ TEST_F(Filters, TurnANonFinitePixelBlackAndKeepItToItself) {
         Image result = filtered(plan, input);
         EXPECT_EQ(result.at(channel, 20, 17), 0.0f) << text;
         for (int k = 0; k < 3; ++k) result.at(k, 20, 17) = 0;
-        EXPECT_TRUE(same_bits(result, expected)) << text;
+        for (const float f : result.data()) ASSERT_TRUE(std::isfinite(f)) << text;
+        if (c.parts_sky) {
+          EXPECT_TRUE(same_bits(result, expected)) << text;
+        }
       }
   }
 }
