@@ -12,7 +12,7 @@
 namespace tessera {
 
 std::span<const FilterDescription> filters() {
-  static const std::array all{describe_none(), describe_atrous(), describe_svgf()};
+  static const std::array all{describe_none(), describe_atrous(), describe_statmc(), describe_svgf()};
   return all;
 }
 

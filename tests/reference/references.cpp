@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "tests/reference/atrous.h"
+#include "tests/reference/statmc.h"
 #include "tests/reference/svgf.h"
 
 namespace tessera::reference {
@@ -12,6 +13,7 @@ namespace tessera::reference {
 Image filtered(const FilterPlan& plan, const Image& input) {
   static const std::map<std::string_view, Image (*)(const FilterPlan&, const Image&)> all{
       {"atrous", atrous},
+      {"statmc", statmc},
       {"svgf", svgf},
   };
   return all.at(plan.name)(plan, input);

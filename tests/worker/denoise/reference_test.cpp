@@ -56,7 +56,8 @@ TEST_F(AgainstReference, EveryFilterComputesItsFormulasOnEveryKindOfInput) {
 
 TEST_F(AgainstReference, ParametersReachTheKernels) {
   for (const std::string_view text :
-       {"atrous:levels=1", "atrous:sigma_c=0.1", "atrous:sigma_n=1", "atrous:sigma_x=1", "svgf:levels=2",
+       {"atrous:levels=1", "atrous:sigma_c=0.1", "atrous:sigma_n=1", "atrous:sigma_x=1", "statmc:radius=5",
+        "statmc:sigma_s=3", "statmc:sigma_a=0.2", "statmc:sigma_n=0.01", "statmc:level=0.1", "svgf:levels=2",
         "svgf:sigma_z=3", "svgf:sigma_n=1", "svgf:sigma_l=0.5"})
     compare_variant(text);
 }
