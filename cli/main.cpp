@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::array kCommands{
     Subcommand{"render", "Render a scene on this machine until the image is good enough", describe_render},
+    Subcommand{"denoise", "Filter images of any renderer", describe_denoise},
     Subcommand{"compare", "Measure the error of an image against a reference", describe_compare},
     Subcommand{"scene", "Check, describe or convert a scene", describe_scene},
     Subcommand{"devices", "List the OpenCL devices that can filter", describe_devices},

@@ -89,14 +89,15 @@ Image preview(const Scene& scene, const ExrImage& exr) {
 
 void write(const RenderOptions& o, const fs::path& file, const Job& job, const Scene& scene,
            const JobReport& report) {
-  const Provenance from{.version = std::string(kVersion),
-                        .device = fmt::format("{}", fmt::join(report.device_classes, "; ")),
-                        .scene_hash = job.scene.hash,
-                        .seconds = report.seconds,
-                        .light_groups = scene.light_groups,
-                        .objects = names_of(scene.objects),
-                        .materials = names_of(scene.materials),
-                        .dropped = report.dropped};
+  Provenance from{.version = std::string(kVersion),
+                  .device = fmt::format("{}", fmt::join(report.device_classes, "; ")),
+                  .scene_hash = job.scene.hash,
+                  .seconds = report.seconds,
+                  .light_groups = scene.light_groups,
+                  .objects = names_of(scene.objects),
+                  .materials = names_of(scene.materials),
+                  .dropped = report.dropped};
+  if (!o.layers_for.empty()) from.filter_inputs = parse_filter(o.layers_for).inputs();
   const ExrImage image = layered(job, report.image, from);
   write_exr(file, image, o.compression);
   write_png(fs::path(file).replace_extension(".png"), preview(scene, image), static_cast<float>(o.exposure));

@@ -145,6 +145,8 @@ void describe(CLI::App& app, RenderOptions& o) {
       ->envname("TESSERA_REGULARISE")
       ->capture_default_str();
   app.add_option("--aov", o.aovs, fmt::format("More layers to write: {}", aov_names()))->delimiter(',');
+  app.add_option("--layers-for", o.layers_for,
+                 "A filter: write all that it takes, to all of its bits, for tessera denoise");
   add_limit_option(app, o.limits);
   app.add_option("--texture-memory", o.texture_memory, "MiB of textures held in memory")
       ->check(CLI::Range(std::uint64_t{16}, std::uint64_t{1} << 24))
@@ -193,6 +195,7 @@ Job job_of(const RenderOptions& o) {
   job.render.variant = o.variant;
   job.filter = parse_filter(o.filter);
   job.render.aovs = AovSet{Aov::color} | parse_aovs(o.aovs);
+  if (!o.layers_for.empty()) job.render.aovs = job.render.aovs | aovs_of(parse_filter(o.layers_for).inputs());
   job.frame = o.frame;
   const auto tile = parse_tile_size(o.tile_size);
   if (!tile) refuse("--tile-size", o.tile_size, fmt::format("N or WxH, each 1 to {}", kMaxEdge));

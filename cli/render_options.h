@@ -34,6 +34,7 @@ struct RenderOptions {
   std::optional<int> threads;           // none: what this process may use
   std::string tile_size = "256";
   std::vector<std::string> aovs;
+  std::string layers_for;  // a filter
   std::string device;
   bool list_devices = false;
   std::string compression = "zip";

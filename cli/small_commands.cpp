@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The small subcommands: devices, filters, schema, compare.
+// The small subcommands: devices, filters, schema, denoise, compare.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <iostream>
 
 #include "cli/compare.h"
+#include "cli/denoise.h"
 #include "cli/subcommand.h"
 #include "core/error.h"
 #include "core/filter/filter.h"
@@ -79,6 +80,12 @@ std::function<int()> describe_filters(CLI::App&) {
     for (const FilterDescription& d : filters()) print_filter(d);
     return 0;
   };
+}
+
+std::function<int()> describe_denoise(CLI::App& app) {
+  auto options = std::make_shared<DenoiseOptions>();
+  describe(app, *options);
+  return [options] { return denoise(*options, std::cout, std::cerr); };
 }
 
 std::function<int()> describe_compare(CLI::App& app) {

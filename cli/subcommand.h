@@ -18,6 +18,7 @@ struct Subcommand {
 int run_list_devices();  // what `devices` does, and render --list-devices
 
 std::function<int()> describe_render(CLI::App&);
+std::function<int()> describe_denoise(CLI::App&);
 std::function<int()> describe_compare(CLI::App&);
 std::function<int()> describe_devices(CLI::App&);
 std::function<int()> describe_filters(CLI::App&);

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "core/cryptomatte.h"
+#include "core/layers.h"
 
 namespace tessera {
 namespace {
@@ -17,6 +19,14 @@ class Layers {
     exr_.display = {0, 0, job.render.size.width, job.render.size.height};
   }
 
+  void remove(const std::string& name) {
+    const auto at = std::ranges::find(exr_.channels, name, &ExrChannel::name);
+    if (at == exr_.channels.end()) return;
+    const auto area = static_cast<std::ptrdiff_t>(region_.area());
+    const auto first = data_.begin() + (at - exr_.channels.begin()) * area;
+    data_.erase(first, first + area);
+    exr_.channels.erase(at);
+  }
   void add(const std::string& name, std::span<const float> plane, bool half) {
     exr_.channels.push_back({name, half});
     data_.insert(data_.end(), plane.begin(), plane.end());
@@ -83,29 +93,30 @@ bool fits_half(Aov a, Statistic statistic) {
   return statistic == Statistic::mean && (letters == "RGB" || a == Aov::normal || a == Aov::bounce);
 }
 
-void add_statistic(Layers& layers, const FrameImage& frame, Aov a, const std::string& name,
-                   Statistic statistic, Part part = Part::all) {
-  const std::vector<Channel> channels = channels_of(a, statistic);
-  const Image image = developed(frame.sums, frame.layout, channels, part);
-  for (std::size_t c = 0; c < channels.size(); ++c) {
-    const std::string channel = channel_name(a, static_cast<int>(c));
-    layers.add(name.empty() ? channel : fmt::format("{}.{}", name, channel), image.plane(static_cast<int>(c)),
-               fits_half(a, statistic));
-  }
+// One plane under the name that core/layers.h gives it, or in a layer of another name.
+void add_channel(Layers& layers, const FrameImage& frame, const Channel& c, Part part,
+                 std::string_view name = "") {
+  const Image image = developed(frame.sums, frame.layout, std::array{c}, part);
+  std::string channel = file_channel(c);
+  if (!name.empty()) channel = fmt::format("{}.{}", name, channel_name(c.aov, c.index));
+  layers.add(channel, image.plane(0), fits_half(c.aov, c.statistic));
 }
 
 void add_guide(Layers& layers, const FrameImage& frame, Aov a, const std::string& name) {
   if (info(a).reduction == Reduction::per_sample) {
-    add_statistic(layers, frame, a, name + "_even", Statistic::mean, Part::a);
-    return add_statistic(layers, frame, a, name + "_odd", Statistic::mean, Part::b);
+    for (const Share half : {Share::a, Share::b})
+      for (const Channel& c : channels_of(a, Statistic::mean, half)) add_channel(layers, frame, c, Part::all);
+    return;
   }
-  add_statistic(layers, frame, a, name, Statistic::mean);
+  const bool own_name = name != info(a).name;  // a light group's
+  for (const Channel& c : channels_of(a)) add_channel(layers, frame, c, Part::all, own_name ? name : "");
   const int moments = frame.layout.moments(a);
-  const std::string base = a == Aov::depth ? "depth" : name;
   const bool known = a == Aov::direct || a == Aov::indirect;  // their squares serve the filters alone
   if (moments >= 2 && !known)
-    add_statistic(layers, frame, a, base + "_variance", Statistic::variance_of_mean);
-  if (moments >= 3) add_statistic(layers, frame, a, base + "_third", Statistic::third_moment);
+    for (const Channel& c : channels_of(a, Statistic::variance_of_mean))
+      add_channel(layers, frame, c, Part::all);
+  if (moments >= 3)
+    for (const Channel& c : channels_of(a, Statistic::third_moment)) add_channel(layers, frame, c, Part::all);
 }
 
 void add_guides(Layers& layers, const FrameImage& frame, const Provenance& from) {
@@ -117,6 +128,13 @@ void add_guides(Layers& layers, const FrameImage& frame, const Provenance& from)
     else
       add_guide(layers, frame, a, layer_name(a, from));
   }
+}
+
+// What a filter takes, to all of its bits.
+void add_input(Layers& layers, const FrameImage& frame, const Channel& c) {
+  const std::string name = file_channel(c);
+  layers.remove(name);
+  layers.add(name, developed(frame.sums, frame.layout, std::array{c}, Part::all).plane(0), false);
 }
 
 void add_metadata(ExrImage& exr, const Job& job, const FrameImage& frame, const Provenance& from,
@@ -162,6 +180,7 @@ ExrImage layered(const Job& job, const FrameImage& frame, const Provenance& from
   layers.add("samples.Y", samples.plane(0), false);
   layers.add("error.Y", error_map(frame).plane(0), false);
   add_guides(layers, frame, from);
+  for (const Channel& c : from.filter_inputs) add_input(layers, frame, c);
   add_metadata(layers.exr(), job, frame, from, samples);
   return std::move(layers).finished();
 }

@@ -16,6 +16,7 @@ struct Provenance {
   double seconds = 0;
   std::vector<std::string> light_groups = {}, objects = {}, materials = {};  // names that layers speak of
   std::uint64_t dropped = 0;                                                 // samples that were not finite
+  std::vector<Channel> filter_inputs = {};  // what a filter takes: written to all of their bits
 };
 
 // Layers: R,G,B,A (filtered); noisy.*, variance.* (of the noisy mean); samples.Y; error.Y (relMSE of the

@@ -23,6 +23,11 @@
 #include "core/pending_file.h"
 
 namespace tessera {
+
+struct ExrAttributes {
+  Imf::Header header;
+};
+
 namespace {
 
 constexpr int kMaxWindowEdge = 65536;
@@ -61,6 +66,9 @@ Imf::Header header_of(const ExrImage& image, Imf::Compression compression) {
     else
       header.insert(name, Imf::IntAttribute(std::get<int>(value)));
   }
+  if (image.others)
+    for (auto it = image.others->header.begin(); it != image.others->header.end(); ++it)
+      if (header.find(it.name()) == header.end()) header.insert(it.name(), it.attribute());
   for (const ExrChannel& c : image.channels)
     header.channels().insert(c.name, Imf::Channel(c.half ? Imf::HALF : Imf::FLOAT));
   return header;
@@ -122,17 +130,30 @@ std::vector<ExrChannel> channels_of(const std::string& file, const Imf::Header& 
   return channels;
 }
 
+// What says how a file is stored, not what is in it: a file written from it is stored in its own way.
+bool is_structure(std::string_view name) {
+  constexpr std::string_view kNames[] = {"type",       "name",          "chunkCount", "version",
+                                         "channels",   "tiles",         "view",       "lineOrder",
+                                         "dataWindow", "displayWindow", "preview",    "dwaCompressionLevel",
+                                         "compression"};
+  return std::ranges::find(kNames, name) != std::end(kNames);
+}
+
 void read_metadata(const Imf::Header& header, ExrImage& image) {
+  auto others = std::make_shared<ExrAttributes>();
   for (auto it = header.begin(); it != header.end(); ++it) {
     const std::string name = it.name();
-    if (name == "type" || name == "name" || name == "chunkCount" || name == "version") continue;
+    if (is_structure(name)) continue;
     if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&it.attribute()))
       image.metadata[name] = text->value();
     else if (const auto* real = dynamic_cast<const Imf::FloatAttribute*>(&it.attribute()))
       image.metadata[name] = real->value();
     else if (const auto* whole = dynamic_cast<const Imf::IntAttribute*>(&it.attribute()))
       image.metadata[name] = whole->value();
+    else
+      others->header.insert(name, it.attribute());
   }
+  image.others = std::move(others);
 }
 
 ExrImage read(const std::string& file, std::uintmax_t bytes) {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -20,11 +21,15 @@ struct ExrChannel {
   bool operator==(const ExrChannel&) const = default;
 };
 
+// Attributes of a file that tessera does not look at: matrices, chromaticities, time codes and the like.
+struct ExrAttributes;
+
 struct ExrImage {
   Region display;  // the whole frame
   Image pixels;    // over the data window; one plane per channel
   std::vector<ExrChannel> channels;
   std::map<std::string, std::variant<std::string, float, int>> metadata;  // by attribute name
+  std::shared_ptr<const ExrAttributes> others;  // as read; written again as they are. May be null
 
   // The plane of that channel, or -1.
   int plane(std::string_view channel) const;

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <fstream>
@@ -216,6 +217,32 @@ TEST_F(Program, EverySubcommandHasHelp) {
     const Outcome outcome = run({command, "--help"});
     EXPECT_EQ(outcome.code, 0) << command;
     EXPECT_THAT(outcome.text, HasSubstr(command));
+  }
+}
+
+TEST_F(Program, DenoisesAFileToTheBitsThatRenderingWithTheFilterGives) {
+  const std::vector<std::string> common{"--width", "72", "--height", "50", "--samples", "16", "--quiet"};
+  for (const std::string filter : {"svgf", "atrous:sigma_c=0.5", "statmc"}) {
+    const auto render = [&](const std::string& to, const std::vector<std::string>& how) {
+      std::vector<std::string> words{"render", cornell_, "-o", path(to)};
+      words.insert(words.end(), common.begin(), common.end());
+      words.insert(words.end(), how.begin(), how.end());
+      const Outcome outcome = run(words);
+      ASSERT_EQ(outcome.code, 0) << outcome.text;
+    };
+    render("at_once.exr", {"--filter", filter});
+    render("noisy.exr", {"--filter", "none", "--layers-for", filter});
+    const Outcome outcome = run({"denoise", path("noisy.exr"), "-o", path("afterwards.exr"), "--filter", filter,
+                                 "--tile-size", "37x19"});
+    EXPECT_EQ(outcome.code, 0) << outcome.text;
+    EXPECT_EQ(outcome.text.find("no layer"), std::string::npos) << "nothing stands in for anything\n" << outcome.text;
+    const ExrImage a = read_exr(path("at_once.exr")), b = read_exr(path("afterwards.exr"));
+    for (const char* channel : {"R", "G", "B"})
+      EXPECT_TRUE(std::ranges::equal(a.pixels.plane(a.plane(channel)), b.pixels.plane(b.plane(channel))))
+          << filter << ' ' << channel;
+    EXPECT_EQ(std::get<std::string>(b.metadata.at("tessera/filter")), filter);
+    EXPECT_EQ(b.metadata.count("tessera/error"), 0u) << "the noisy picture's error is not this one's";
+    EXPECT_GE(b.plane("albedo.R"), 0) << "other layers stay";
   }
 }
 

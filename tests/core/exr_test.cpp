@@ -2,8 +2,11 @@
 #include "core/exr.h"
 
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfChromaticitiesAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfMatrixAttribute.h>
 #include <OpenEXR/ImfMultiPartOutputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfOutputPart.h>
@@ -82,6 +85,31 @@ TEST_F(Exr, GivesBackWindowsChannelsMetadataAndEveryFloat) {
     for (const auto& [name, value] : image.metadata) EXPECT_EQ(back.metadata.at(name), value) << name;
   }
   EXPECT_EQ(files(), 1u) << "only the file itself is left";
+}
+
+TEST_F(Exr, KeepsAttributesThatItDoesNotLookAt) {
+  {
+    Imf::Header header(4, 3);
+    header.channels().insert("Y", Imf::Channel(Imf::FLOAT));
+    header.compression() = Imf::PIZ_COMPRESSION;
+    header.insert("worldToCamera", Imf::M44fAttribute(Imath::M44f(2.0f)));
+    header.insert("chromaticities", Imf::ChromaticitiesAttribute(Imf::Chromaticities()));
+    std::vector<float> pixels(12, 1.0f);
+    Imf::FrameBuffer buffer;
+    buffer.insert("Y", Imf::Slice::Make(Imf::FLOAT, pixels.data(), header.dataWindow()));
+    Imf::OutputFile out(file().c_str(), header);
+    out.setFrameBuffer(buffer);
+    out.writePixels(3);
+  }
+  ExrImage image = read_exr(file());
+  image.channels[0].name = "Z";
+  write_exr(file(), image, "zip");
+  Imf::InputFile back(file().c_str());
+  const auto* matrix = back.header().findTypedAttribute<Imf::M44fAttribute>("worldToCamera");
+  ASSERT_NE(matrix, nullptr);
+  EXPECT_EQ(matrix->value(), Imath::M44f(2.0f));
+  EXPECT_NE(back.header().find("chromaticities"), back.header().end());
+  EXPECT_EQ(back.header().compression(), Imf::ZIP_COMPRESSION) << "how a file is stored is its own affair";
 }
 
 TEST_F(Exr, ReadsBackWhatEveryCompressionWrote) {

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/denoise.h"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <sstream>
+
+#include "core/error.h"
+#include "core/exr.h"
+#include "core/layers.h"
+#include "worker/denoise/device.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class Denoise : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (list_devices().empty()) GTEST_SKIP() << "no OpenCL device on this machine";
+    folder_ = fs::path(testing::TempDir()) / ("tessera-denoise" + std::to_string(std::random_device{}()));
+    fs::create_directories(folder_);
+  }
+  ~Denoise() override {
+    if (!folder_.empty()) fs::remove_all(folder_);
+  }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  // A noisy picture with all that atrous takes.
+  ExrImage picture(unsigned seed = 1) const {
+    const Region region{0, 0, 40, 30};
+    ExrImage image;
+    image.display = region;
+    const std::vector<Channel> inputs = parse_filter("atrous").inputs();
+    image.pixels = Image(region, static_cast<int>(inputs.size()) + 1, 0.5f);
+    std::minstd_rand random(seed);
+    for (float& v : image.pixels.data()) v += 0.2f * std::uniform_real_distribution<float>(-1, 1)(random);
+    for (const Channel& c : inputs) {
+      std::string name = file_channel(c);
+      if (c.aov == Aov::color) name = name.substr(name.find('.') + 1);  // as others call it
+      image.channels.push_back({name, false});
+    }
+    image.channels.push_back({"mask.Y", false});
+    image.metadata["owner"] = "somebody";
+    return image;
+  }
+  void write(const std::string& name, const ExrImage& image) const { write_exr(path(name), image); }
+
+  int run(const DenoiseOptions& options) {
+    std::ostringstream out, problems;
+    const int code = denoise(options, out, problems);
+    out_ = out.str();
+    problems_ = problems.str();
+    return code;
+  }
+  DenoiseOptions options(const std::string& input, const std::string& output) const {
+    DenoiseOptions o;
+    o.input = path(input);
+    o.output = path(output);
+    o.filter = "atrous:levels=2";
+    return o;
+  }
+  Error error_of(const DenoiseOptions& o) {
+    try {
+      run(o);
+    } catch (const Error& e) {
+      return e;
+    }
+    return Error(ExitCode::done, "no error");
+  }
+
+  fs::path folder_;
+  std::string out_, problems_;
+};
+
+TEST_F(Denoise, ReplacesThePictureAndKeepsAllElse) {
+  write("in.exr", picture());
+  EXPECT_EQ(run(options("in.exr", "out.exr")), 0);
+  const ExrImage in = read_exr(path("in.exr")), out = read_exr(path("out.exr"));
+  EXPECT_EQ(in.channels, out.channels);
+  for (const ExrChannel& c : in.channels) {
+    const bool same = std::ranges::equal(in.pixels.plane(in.plane(c.name)), out.pixels.plane(out.plane(c.name)));
+    EXPECT_EQ(same, c.name != "R" && c.name != "G" && c.name != "B") << c.name;
+  }
+  EXPECT_EQ(std::get<std::string>(out.metadata.at("owner")), "somebody");
+  EXPECT_EQ(std::get<std::string>(out.metadata.at("tessera/filter")), "atrous:levels=2");
+  EXPECT_TRUE(fs::exists(path("out.png")));
+}
+
+TEST_F(Denoise, DoesNotDependOnTheMemoryThatTilesMayTake) {
+  ExrImage large = picture();
+  large.display = {0, 0, 400, 300};
+  large.pixels = Image(large.display, large.pixels.planes());
+  std::minstd_rand random(3);
+  for (float& v : large.pixels.data()) v = std::uniform_real_distribution<float>(0.1f, 1)(random);
+  write("in.exr", large);
+  DenoiseOptions o = options("in.exr", "whole.exr"), small = options("in.exr", "tiles.exr");
+  small.memory = 2;
+  EXPECT_EQ(run(o), 0);
+  EXPECT_EQ(run(small), 0);
+  EXPECT_THAT(out_, testing::Not(HasSubstr("400x300"))) << "it is cut into tiles";
+  EXPECT_TRUE(same_bits(read_exr(path("whole.exr")).pixels, read_exr(path("tiles.exr")).pixels));
+}
+
+TEST_F(Denoise, TilesAreAsLargeAsTheMemoryAllowsOrSayWhatTheyNeed) {
+  const FilterPlan plan = parse_filter("atrous");  // 62 px of halo
+  const Region frame{0, 0, 1000, 600};
+  EXPECT_EQ(tile_within(plan, frame, std::uint64_t{1} << 40), (Size{1000, 600}));
+  const Size cut = tile_within(plan, frame, 30 << 20);
+  EXPECT_LT(cut.width, 1000);
+  EXPECT_GE(cut.width, 250) << "not smaller than need be";
+  try {
+    tile_within(plan, frame, 1 << 20);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::out_of_memory);
+    EXPECT_THAT(e.what(), HasSubstr("MiB for a tile of"));
+  }
+}
+
+TEST_F(Denoise, GoesThroughASequenceAndLosesNoFrameForAnother) {
+  for (const int f : {1, 2, 4}) write("in.000" + std::to_string(f) + ".exr", picture(static_cast<unsigned>(f)));
+  std::ofstream(path("in.0003.exr")) << "no EXR";
+  EXPECT_EQ(run(options("in.####.exr", "out.####.exr")), static_cast<int>(ExitCode::bad_input));
+  EXPECT_THAT(problems_, HasSubstr("frame 3: "));
+  for (const int f : {1, 2, 4}) EXPECT_TRUE(fs::exists(path("out.000" + std::to_string(f) + ".exr"))) << f;
+  EXPECT_FALSE(fs::exists(path("out.0003.exr")));
+
+  DenoiseOptions some = options("in.%04d.exr", "some.##.exr");
+  some.frames = "1-4x3";
+  EXPECT_EQ(run(some), 0);
+  EXPECT_TRUE(fs::exists(path("some.04.exr")));
+  EXPECT_FALSE(fs::exists(path("some.02.exr")));
+}
+
+TEST_F(Denoise, TakesGuidesFromFilesOfTheirOwn) {
+  ExrImage whole = picture();
+  write("in.exr", whole);
+  EXPECT_EQ(run(options("in.exr", "whole.exr")), 0);
+  ExrImage albedo;
+  albedo.display = whole.display;
+  albedo.pixels = Image(whole.display, 3);
+  for (int c = 0; c < 3; ++c) {
+    const std::string name = std::string("albedo.") + "RGB"[c];
+    const int plane = whole.plane(name);
+    std::ranges::copy(whole.pixels.plane(plane), albedo.pixels.plane(c).begin());
+    albedo.channels.push_back({std::string(1, "RGB"[c]), false});
+    whole.channels[static_cast<std::size_t>(plane)].name = "other." + std::to_string(c);
+  }
+  write("in.exr", whole);
+  write("albedo.exr", albedo);
+  EXPECT_THAT(error_of(options("in.exr", "parts.exr")).what(), HasSubstr("albedo.RGB"));
+  DenoiseOptions o = options("in.exr", "parts.exr");
+  o.guides = {"albedo=" + path("albedo.exr")};
+  EXPECT_EQ(run(o), 0);
+  const ExrImage a = read_exr(path("whole.exr")), b = read_exr(path("parts.exr"));
+  for (const char* c : {"R", "G", "B"})
+    EXPECT_TRUE(std::ranges::equal(a.pixels.plane(a.plane(c)), b.pixels.plane(b.plane(c))));
+}
+
+TEST_F(Denoise, CountsAndLocatesWhatIsNotFinite) {
+  ExrImage in = picture();
+  in.pixels.at(in.plane("G"), 7, 11) = std::numeric_limits<float>::quiet_NaN();
+  in.pixels.at(in.plane("G"), 9, 12) = std::numeric_limits<float>::infinity();
+  write("in.exr", in);
+  EXPECT_EQ(run(options("in.exr", "out.exr")), 0);
+  EXPECT_THAT(problems_, HasSubstr("noisy.G: 2 pixels are not finite, the first at (7, 11)"));
+  const ExrImage out = read_exr(path("out.exr"));
+  for (const char* c : {"R", "G", "B"})
+    for (const float v : out.pixels.plane(out.plane(c))) ASSERT_TRUE(std::isfinite(v));
+}
+
+TEST_F(Denoise, RefusesWhatMakesNoSense) {
+  write("in.exr", picture());
+  EXPECT_THAT(error_of(options("in.exr", "in.exr")).what(), HasSubstr("is the input itself"));
+  EXPECT_EQ(error_of(options("nothing.exr", "out.exr")).code(), ExitCode::bad_input);
+  EXPECT_EQ(error_of(options("in.####.exr", "out.exr")).code(), ExitCode::bad_usage) << "one file for many";
+  DenoiseOptions o = options("in.exr", "out.exr");
+  o.frames = "1-2";
+  EXPECT_THAT(error_of(o).what(), HasSubstr("--frames"));
+  o = options("in.exr", "out.exr");
+  o.guides = {"albedo"};
+  EXPECT_THAT(error_of(o).what(), HasSubstr("LAYER=FILE"));
+  o = options("in.exr", "out.exr");
+  o.filter = "atros";
+  EXPECT_THAT(error_of(o).what(), HasSubstr("did you mean 'atrous'"));
+  o = options("in.exr", "out.exr");
+  o.tile_size = "0x5";
+  EXPECT_EQ(error_of(o).code(), ExitCode::bad_usage);
+  EXPECT_FALSE(fs::exists(path("out.exr")));
+}
+
+}  // namespace
+}  // namespace tessera
