@@ -21,7 +21,9 @@ namespace {
 constexpr int kRuns = 25;
 constexpr int kFewRuns = 3;        // of a filter that takes longer than
 constexpr double kLongRun = 0.25;  // seconds
-constexpr std::string_view kTexts[] = {"atrous", "statmc", "svgf", "svgf:variance=spatial"};
+constexpr std::string_view kTexts[] = {
+    "atrous", "bmfr:grids=1",         "bmfr", "bmfr:regularisation=stochastic", "statmc",
+    "svgf",   "svgf:variance=spatial"};
 constexpr int kPeakRuns = 100;  // short ones: the best falls between other programs' turns
 
 // Surfaces with noise, such that every weight is exercised.

@@ -11,6 +11,7 @@ namespace tessera {
 FilterDescription describe_none();
 FilterDescription describe_atrous();
 FilterDescription describe_statmc();
+FilterDescription describe_bmfr();
 FilterDescription describe_svgf();
 
 // Levels 0 .. levels-1 of the a-trous wavelet transform (Dammertz et al. 2010, section 2): the 5x5 B3 kernel

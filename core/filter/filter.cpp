@@ -12,7 +12,8 @@
 namespace tessera {
 
 std::span<const FilterDescription> filters() {
-  static const std::array all{describe_none(), describe_atrous(), describe_statmc(), describe_svgf()};
+  static const std::array all{describe_none(), describe_atrous(), describe_bmfr(), describe_statmc(),
+                              describe_svgf()};
   return all;
 }
 

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "tests/reference/atrous.h"
+#include "tests/reference/bmfr.h"
 #include "tests/reference/statmc.h"
 #include "tests/reference/svgf.h"
 
@@ -13,6 +14,7 @@ namespace tessera::reference {
 Image filtered(const FilterPlan& plan, const Image& input) {
   static const std::map<std::string_view, Image (*)(const FilterPlan&, const Image&)> all{
       {"atrous", atrous},
+      {"bmfr", bmfr},
       {"statmc", statmc},
       {"svgf", svgf},
   };

@@ -8,6 +8,7 @@ namespace tessera {
 const Program& program_of(std::string_view filter) {
   static const Program all[]{
       atrous_program(),
+      bmfr_program(),
       statmc_program(),
       svgf_program(),
   };

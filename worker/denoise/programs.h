@@ -15,6 +15,7 @@ struct Program {
 };
 
 Program atrous_program();
+Program bmfr_program();
 Program statmc_program();
 Program svgf_program();
 

@@ -2,6 +2,15 @@
 #include "tests/worker/denoise/cases.h"
 
 namespace tessera {
+namespace {
+
+// A regression over blocks of a grid.
+constexpr FilterCase fit(std::string_view text) {
+  return {
+      .text = text, .relative = 1e-5, .extreme = 1e-5, .of_largest = 5e-4, .constant = 1e-6, .turns = false};
+}
+
+}  // namespace
 
 const std::vector<FilterCase>& filter_cases() {
   // Exponents carry an error of some ulps of up to 127, cosines are raised to a power of 128, five levels add
@@ -9,6 +18,12 @@ const std::vector<FilterCase>& filter_cases() {
   // decided likewise; variance from the picture is then the rounding of a difference of equal moments.
   static const std::vector<FilterCase> cases{
       {.text = "atrous"},
+      // Fits of up to 4096 pixels in single precision: rounding in the sums is as far below the ridge as that
+      // is below them, 1e-4; the fitted light is a sum of terms of both signs.
+      fit("bmfr"),
+      fit("bmfr:block=8"),
+      fit("bmfr:block=64,grids=3"),
+      fit("bmfr:grids=2,regularisation=stochastic"),
       // Albedos and normals are stored in units of their sigmas: what is rounded off some tens of them is
       // worth 1e-4 of the smallest weights, which decide where the only neighbour is a firefly. A test of
       // means whose sides differ by less than their rounding may fall out either way; of these inputs none

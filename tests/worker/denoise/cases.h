@@ -12,6 +12,9 @@ struct FilterCase {
   // Largest relative difference from the scalar reference; with light of sixty decades (0: the formula says
   // nothing there).
   double relative = 1e-4, extreme = 1e-3;
+  // What a value may differ beyond that, as a part of the picture's largest: of sums whose terms cancel, the
+  // error is a part of the terms.
+  double of_largest = 0;
   // Largest relative change of a constant picture; 0: not a bit.
   double constant = 0;
   // Takes depth, so that sky passes through and is no pixel's neighbour; a pixel that is not finite likewise.

@@ -62,7 +62,8 @@ TEST_F(Tiles, WithOnePixelLessHaloDiffer) {
   };
   const Region frame{0, 0, 220, 210}, inner{90, 85, 130, 125};
   for (const auto& [text, spare] :
-       {Case{"atrous", 0}, Case{"atrous:levels=2", 0}, Case{"atrous:levels=4", 0}, Case{"statmc", 0},
+       {Case{"atrous", 0}, Case{"atrous:levels=2", 0}, Case{"atrous:levels=4", 0}, Case{"bmfr:frame=10", 0},
+        Case{"bmfr:grids=1,frame=10", 0}, Case{"bmfr:block=8,frame=6", 0}, Case{"statmc", 0},
         Case{"statmc:radius=4", 0}, Case{"svgf:levels=1", 1}, Case{"svgf:levels=1,variance=spatial", 1},
         Case{"svgf:levels=3", 1}, Case{"svgf:sigma_z=100,sigma_n=1,sigma_l=1", 1}}) {
     const FilterPlan plan = parse_filter(text);
