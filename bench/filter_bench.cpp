@@ -22,8 +22,17 @@ constexpr int kRuns = 25;
 constexpr int kFewRuns = 3;        // of a filter that takes longer than
 constexpr double kLongRun = 0.25;  // seconds
 constexpr std::string_view kTexts[] = {
-    "atrous", "bmfr:grids=1",         "bmfr", "bmfr:regularisation=stochastic", "statmc",
-    "svgf",   "svgf:variance=spatial"};
+    "atrous",
+    "bmfr:grids=1",
+    "bmfr",
+    "bmfr:regularisation=stochastic",
+    "statmc",
+    "sure-atrous",
+    "sure-atrous:edge=svgf",
+    "sure-atrous:mode=literal",
+    "svgf",
+    "svgf:variance=spatial",
+};
 constexpr int kPeakRuns = 100;  // short ones: the best falls between other programs' turns
 
 // Surfaces with noise, such that every weight is exercised.

@@ -10,13 +10,8 @@ std::vector<Parameter> parameters() {
       levels_parameter("Dammertz et al. 2010, section 3"),
       {"sigma_c", "illumination difference that stops the filter at level 0; halves with every level",
        "radiance", "Dammertz et al. 2010, equation 4 (sigma_rt)", 1e-4, 1e4, 1.0},
-      {"sigma_n", "distance of unit normals that stops the filter at level 0; doubles with every level", "1",
-       "Dammertz et al. 2010, equation 4 (sigma_n)", 1e-3, 1e3, 0.128},
-      {"sigma_x",
-       "distance of surface points that stops the filter at level 0, in distances to the next pixel's point;"
-       " doubles with every level",
-       "pixel footprints",
-       "Dammertz et al. 2010, equation 4 (sigma_x), made independent of the scene's scale", 0.1, 1e4, 4.0},
+      sigma_n_parameter("Dammertz et al. 2010, equation 4 (sigma_n)"),
+      sigma_x_parameter("Dammertz et al. 2010, equation 4 (sigma_x), made independent of the scene's scale"),
   };
 }
 

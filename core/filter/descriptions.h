@@ -10,8 +10,9 @@ namespace tessera {
 
 FilterDescription describe_none();
 FilterDescription describe_atrous();
-FilterDescription describe_statmc();
 FilterDescription describe_bmfr();
+FilterDescription describe_statmc();
+FilterDescription describe_sure_atrous();
 FilterDescription describe_svgf();
 
 // Levels 0 .. levels-1 of the a-trous wavelet transform (Dammertz et al. 2010, section 2): the 5x5 B3 kernel
@@ -26,7 +27,9 @@ void append(std::vector<Channel>& to, std::initializer_list<Aov>, Statistic = St
 // Operations of exp2_of_negative in the kernels (worker/denoise/kernels/common.cl).
 inline constexpr double kExpFlops = 15;
 
-// The parameter `levels` of both a-trous filters.
+// Parameters that several a-trous filters have.
 Parameter levels_parameter(std::string_view source);
+Parameter sigma_n_parameter(std::string_view source);
+Parameter sigma_x_parameter(std::string_view source);
 
 }  // namespace tessera

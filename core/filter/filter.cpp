@@ -12,8 +12,10 @@
 namespace tessera {
 
 std::span<const FilterDescription> filters() {
-  static const std::array all{describe_none(), describe_atrous(), describe_bmfr(), describe_statmc(),
-                              describe_svgf()};
+  static const std::array all{
+      describe_none(),   describe_atrous(),      describe_bmfr(),
+      describe_statmc(), describe_sure_atrous(), describe_svgf(),
+  };
   return all;
 }
 
@@ -33,6 +35,25 @@ void append(std::vector<Channel>& to, std::initializer_list<Aov> aovs, Statistic
 Parameter levels_parameter(std::string_view source) {
   return {"levels", "levels of the a-trous transform; level i reads 2^(i+1) pixels far", "", source, 1, 5, 5,
           true};
+}
+
+Parameter sigma_n_parameter(std::string_view source) {
+  return {"sigma_n", "distance of unit normals that stops the filter at level 0; doubles with every level",
+          "1",       source,
+          1e-3,      1e3,
+          0.128};
+}
+
+Parameter sigma_x_parameter(std::string_view source) {
+  return {
+      "sigma_x",
+      "distance of surface points that stops the filter at level 0, in distances to the next pixel's point;"
+      " doubles with every level",
+      "pixel footprints",
+      source,
+      0.1,
+      1e4,
+      4.0};
 }
 
 int halo(std::span<const Pass> passes) {

@@ -3,31 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
-#include "tests/reference/features.h"
+#include "tests/reference/surface.h"
 
 namespace tessera::reference {
 namespace {
 
 using Plane = std::vector<Rgb>;
-
-// Squared distance of the surface points of two pixels; nothing if either is invalid.
-std::optional<double> squared_distance(const Features& f, int x, int y, int qx, int qy) {
-  if (!f.valid(x, y) || !f.valid(qx, qy)) return std::nullopt;
-  return squared(difference(f.rgb(Aov::position, qx, qy), f.rgb(Aov::position, x, y)));
-}
-
-double nearer(std::optional<double> a, std::optional<double> b) {
-  if (a && b) return std::min(*a, *b);
-  return a ? *a : b.value_or(0.0);
-}
-
-// Squared size of a pixel on the surface: distance to the next pixel's point, per axis on the nearer side.
-double squared_footprint(const Features& f, int x, int y) {
-  return nearer(squared_distance(f, x, y, x - 1, y), squared_distance(f, x, y, x + 1, y)) +
-         nearer(squared_distance(f, x, y, x, y - 1), squared_distance(f, x, y, x, y + 1));
-}
 
 Plane level(const FilterPlan& plan, const Features& f, const Plane& from, int step) {
   const auto square = [](double v) { return v * v; };
@@ -47,9 +29,10 @@ Plane level(const FilterPlan& plan, const Features& f, const Plane& from, int st
           const int qx = x + i * step, qy = y + j * step;
           if (!f.valid(qx, qy)) continue;
           const Rgb& cq = from[f.index(qx, qy)];
-          const double distance2 = *squared_distance(f, x, y, qx, qy);
+          const double distance2 =
+              squared(difference(f.rgb(Aov::position, qx, qy), f.rgb(Aov::position, x, y)));
           double exponent = squared(difference(cq, c)) / color2;
-          exponent += squared(difference(f.unit_normal(qx, qy), f.unit_normal(x, y))) / normal2;
+          exponent += squared_turn(f, x, y, qx, qy) / normal2;
           if (distance2 > 0) exponent += distance2 / (position2 * (footprint2 + 1e-30));
           const double w = b3(i) * b3(j) * std::exp(-exponent);
           sum += w;

@@ -7,6 +7,7 @@
 #include "tests/reference/atrous.h"
 #include "tests/reference/bmfr.h"
 #include "tests/reference/statmc.h"
+#include "tests/reference/sure_atrous.h"
 #include "tests/reference/svgf.h"
 
 namespace tessera::reference {
@@ -16,6 +17,7 @@ Image filtered(const FilterPlan& plan, const Image& input) {
       {"atrous", atrous},
       {"bmfr", bmfr},
       {"statmc", statmc},
+      {"sure-atrous", sure_atrous},
       {"svgf", svgf},
   };
   return all.at(plan.name)(plan, input);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/reference/features.h"
+#include "tests/reference/surface.h"
 
 namespace tessera::reference {
 namespace {
@@ -23,7 +23,7 @@ class Svgf {
 
   Light light(Aov aov) const {
     Light l{std::vector<Rgb>(area()), std::vector<double>(area())};
-    each_valid([&](int x, int y) {
+    each_valid(f_, [&](int x, int y) {
       const Rgb c = f_.rgb(aov, x, y), albedo = floored(f_.rgb(Aov::albedo, x, y));
       const Rgb v = f_.rgb(aov, x, y, Statistic::variance_of_mean);
       Rgb deviation{};
@@ -39,10 +39,10 @@ class Svgf {
   // 7x7 window with the geometry's weights: the picture's variance, or the mean of the samples' ones.
   void estimate_variance(Light& l) const {
     std::vector<double> estimate(area());
-    each_valid([&](int x, int y) {
+    each_valid(f_, [&](int x, int y) {
       double sum = 0, first = 0, second = 0, mean = 0;
       const double centre = luminance(l.color[f_.index(x, y)]);
-      each_tap(x, y, 3, 1, [&](int, int, int qx, int qy) {
+      each_tap(f_, x, y, 3, 1, [&](int, int, int qx, int qy) {
         const double w = geometry(x, y, qx, qy);
         const double d = std::clamp(luminance(l.color[f_.index(qx, qy)]) - centre, -1e18, 1e18);
         sum += w;
@@ -59,12 +59,12 @@ class Svgf {
 
   void level(Light& l, int step) const {
     Light next = l;
-    each_valid([&](int x, int y) {
+    each_valid(f_, [&](int x, int y) {
       const std::size_t p = f_.index(x, y);
-      const double deviation = plan_["sigma_l"] * std::sqrt(smoothed(l.variance, x, y)) + 1e-10;
+      const double deviation = plan_["sigma_l"] * std::sqrt(smoothed(f_, l.variance, x, y)) + 1e-10;
       double sum = 0, variance = 0;
       Rgb total{};
-      each_tap(x, y, 2, step, [&](int i, int j, int qx, int qy) {
+      each_tap(f_, x, y, 2, step, [&](int i, int j, int qx, int qy) {
         const std::size_t q = f_.index(qx, qy);
         const double dl = std::abs(luminance(l.color[q]) - luminance(l.color[p]));
         const bool self = i == 0 && j == 0;
@@ -82,53 +82,13 @@ class Svgf {
  private:
   std::size_t area() const { return static_cast<std::size_t>(f_.region().area()); }
 
-  template <typename Body>
-  void each_valid(const Body& body) const {
-    const Region& r = f_.region();
-    for (int y = r.y0; y < r.y1; ++y)
-      for (int x = r.x0; x < r.x1; ++x)
-        if (f_.valid(x, y)) body(x, y);
-  }
-
-  template <typename Body>
-  void each_tap(int x, int y, int radius, int step, const Body& body) const {
-    for (int j = -radius; j <= radius; ++j)
-      for (int i = -radius; i <= radius; ++i)
-        if (f_.valid(x + i * step, y + j * step)) body(i, j, x + i * step, y + j * step);
-  }
-
-  double depth(int x, int y) const { return f_.at(Aov::depth, 0, x, y); }
-
-  // Of the two one-sided differences of depth along (dx, dy) the smaller.
-  double slope(int x, int y, int dx, int dy) const {
-    double least = INFINITY;
-    for (const int side : {-1, 1})
-      if (f_.valid(x + side * dx, y + side * dy)) {
-        const double d = side * (depth(x + side * dx, y + side * dy) - depth(x, y));
-        if (std::abs(d) < std::abs(least)) least = d;
-      }
-    return std::isfinite(least) ? least : 0;
-  }
-
   // w_z w_n; 1 for p itself.
   double geometry(int x, int y, int qx, int qy) const {
     if (x == qx && y == qy) return 1;
-    const double plane = std::abs(slope(x, y, 1, 0) * (qx - x) + slope(x, y, 0, 1) * (qy - y));
-    const double allowed = plan_["sigma_z"] * plane + 1e-3 * std::abs(depth(x, y)) + 1e-30;
     const Rgb n = f_.unit_normal(x, y), m = f_.unit_normal(qx, qy);
     const double cosine = std::clamp(n[0] * m[0] + n[1] * m[1] + n[2] * m[2], 0.0, 1.0);
-    return std::exp(-std::abs(depth(qx, qy) - depth(x, y)) / allowed) *
+    return std::exp(-depth_exponent(f_, x, y, qx, qy, plan_["sigma_z"])) *
            std::pow(cosine, std::pow(2, plan_["sigma_n"]));
-  }
-
-  double smoothed(const std::vector<double>& variance, int x, int y) const {
-    double sum = 0, total = 0;
-    each_tap(x, y, 1, 1, [&](int i, int j, int qx, int qy) {
-      const double g = (i ? 0.25 : 0.5) * (j ? 0.25 : 0.5);
-      sum += g;
-      total += g * variance[f_.index(qx, qy)];
-    });
-    return total / sum;
   }
 
   const FilterPlan& plan_;

@@ -10,6 +10,7 @@ const Program& program_of(std::string_view filter) {
       atrous_program(),
       bmfr_program(),
       statmc_program(),
+      sure_atrous_program(),
       svgf_program(),
   };
   for (const Program& p : all)

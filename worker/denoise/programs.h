@@ -17,6 +17,7 @@ struct Program {
 Program atrous_program();
 Program bmfr_program();
 Program statmc_program();
+Program sure_atrous_program();
 Program svgf_program();
 
 // Precondition: the filter has passes.

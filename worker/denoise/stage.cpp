@@ -100,8 +100,8 @@ Planes Stage::planes(int count, float first) {
   const std::size_t plane = static_cast<std::size_t>(layout_.plane);
   this->count(plane * count);
   Workspace& space = device_.workspace(slots_++, plane * count + kLine);
-  std::string now =
-      fmt::format("{} {} {} {} {}", outer().width(), outer().height(), layout_.pad, count, first);
+  std::string now = fmt::format("{} {} {} {} {} {} {}", outer().width(), outer().height(), layout_.stride,
+                                layout_.plane, layout_.origin, count, first);
   if (space.pads != now) {
     device_.fill(space.buffer, first, 0, plane);
     device_.fill(space.buffer, 0, plane, plane * (count - 1));

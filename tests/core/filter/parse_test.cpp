@@ -112,10 +112,15 @@ TEST(FilterHalo, IsWhatThePassesReachTogether) {
     const std::string parameter = ":levels=" + std::to_string(levels);
     const int reach = 2 * ((1 << levels) - 1);  // 2 + 4 + ... + 2^levels
     EXPECT_EQ(parse_filter("atrous" + parameter).halo(), reach);
+    EXPECT_EQ(parse_filter("sure-atrous:mode=literal,levels=" + std::to_string(levels)).halo(), reach);
+    EXPECT_EQ(parse_filter("sure-atrous:window=1,levels=" + std::to_string(levels)).halo(),
+              reach + (1 << (levels - 1)));
     EXPECT_EQ(parse_filter("svgf" + parameter).halo(), reach + 3);
     EXPECT_EQ(parse_filter("svgf" + parameter + ",variance=spatial").halo(), reach + 3);
   }
   EXPECT_EQ(parse_filter("atrous").halo(), 62);
+  EXPECT_EQ(parse_filter("sure-atrous").halo(), 94);
+  EXPECT_EQ(parse_filter("sure-atrous:variance=spatial").halo(), 97);
   EXPECT_EQ(parse_filter("svgf").halo(), 65);
 }
 

@@ -29,6 +29,10 @@ const std::vector<FilterCase>& filter_cases() {
       // means whose sides differ by less than their rounding may fall out either way; of these inputs none
       // does.
       {.text = "statmc", .relative = 5e-4},
+      {.text = "sure-atrous"},
+      {.text = "sure-atrous:edge=svgf,weights=grid", .extreme = 0},
+      {.text = "sure-atrous:distance=depth,variance=spatial,window=1", .extreme = 0, .slow = true},
+      {.text = "sure-atrous:mode=literal,edge=svgf,distance=depth", .extreme = 0.1, .slow = true},
       {.text = "svgf"},
       {.text = "svgf:variance=spatial", .extreme = 0},
   };

@@ -35,7 +35,10 @@ void run(Stage& s) {
 }  // namespace
 
 Program atrous_program() {
-  return {"atrous", {kernels::atrous_cl}, [](const FilterPlan&) { return std::string(); }, run};
+  return {"atrous",
+          {kernels::geometry_cl, kernels::atrous_cl},
+          [](const FilterPlan&) { return std::string(); },
+          run};
 }
 
 }  // namespace tessera

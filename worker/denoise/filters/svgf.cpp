@@ -40,6 +40,6 @@ std::string options(const FilterPlan& plan) { return fmt::format("-DSQUARINGS={}
 
 }  // namespace
 
-Program svgf_program() { return {"svgf", {kernels::svgf_cl}, options, run}; }
+Program svgf_program() { return {"svgf", {kernels::geometry_cl, kernels::svgf_cl}, options, run}; }
 
 }  // namespace tessera

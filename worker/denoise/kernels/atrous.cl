@@ -34,20 +34,6 @@ kernel void prepare(global const float* restrict input, int w, int h, global flo
   }
 }
 
-// Squared distance of the surface points seen at pixels p and q.
-vf squared_distance(global const float* guides, long plane, size_t p, size_t q) {
-  const vf x = load(guides + q) - load(guides + p);
-  const vf y = load(guides + plane + q) - load(guides + plane + p);
-  const vf z = load(guides + 2 * plane + q) - load(guides + 2 * plane + p);
-  return fma(x, x, fma(y, y, z * z));
-}
-
-// The smaller of two, 0 if neither is finite: the neighbour across an edge says nothing about this surface.
-vf smaller_if_any(vf a, vf b) {
-  const vf least = a < b ? a : b;
-  return least < (vf)1e24f ? least : (vf)0.0f;
-}
-
 // k: log2(e) over the squared sigmas of this level: illumination, normal, position in footprints.
 kernel void atrous_level(global const float* restrict guides, global const float* restrict from,
                          global float* restrict to, int stride, long plane, long origin, int x0, int y0, int x1,
@@ -60,10 +46,7 @@ kernel void atrous_level(global const float* restrict guides, global const float
     const vf nx = load(guides + 3 * plane + p), ny = load(guides + 4 * plane + p),
              nz = load(guides + 5 * plane + p);
     const vf r = load(from + p), g = load(from + plane + p), b = load(from + 2 * plane + p);
-    const vf footprint =
-        smaller_if_any(squared_distance(guides, plane, p, p - 1), squared_distance(guides, plane, p, p + 1)) +
-        smaller_if_any(squared_distance(guides, plane, p, p - stride), squared_distance(guides, plane, p, p + stride));
-    const vf kx = k.z / (footprint + 1e-30f);
+    const vf kx = k.z / (squared_footprint(guides, stride, plane, p) + 1e-30f);
     vf sum = kB3[2] * kB3[2], dr = 0.0f, dg = 0.0f, db = 0.0f;
 #pragma nounroll
     for (int j = -2; j <= 2; ++j) {

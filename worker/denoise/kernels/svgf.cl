@@ -57,13 +57,6 @@ typedef struct {
   vf tolerance;         // of depth, beyond the plane: keeps iso-depth lines, where the plane allows none, alive
 } Surface;
 
-// The one-sided difference of smaller magnitude: the larger one may cross an edge. 0 if neither side is valid.
-vf slope(vf before, vf centre, vf after) {
-  const vf back = centre - before, ahead = after - centre;
-  const vf least = fabs(back) < fabs(ahead) ? back : ahead;
-  return fabs(least) < (vf)INFINITY ? least : (vf)0.0f;
-}
-
 Surface surface_at(global const float* guides, int stride, long plane, size_t p, float tolerance) {
   Surface s;
   s.z = load(guides + p);
@@ -103,20 +96,6 @@ vf normal_weight(Surface s, global const float* guides, long plane, size_t q) {
   global const float *restrict guides, global const float *restrict from, global float *restrict to, int stride, \
       long plane, long origin, int x0, int y0, int x1, int y1, int step, float4 k
 
-// Runs BODY for both ends q of every chord (i, j) of the (2 RADIUS + 1)^2 window: they share a depth scale.
-#define FOR_EACH_CHORD(RADIUS, BODY)                                             \
-  _Pragma("nounroll") for (int j = 0; j <= RADIUS; ++j) {                          \
-    _Pragma("nounroll") for (int i = -RADIUS; i <= RADIUS; ++i) {                  \
-      if (j == 0 && i <= 0) continue;                                            \
-      const vf scale = depth_scale(s, i, j, k.x);                                \
-      const long chord = (long)(j * step) * stride + i * step;                   \
-      _Pragma("unroll") for (int end = -1; end <= 1; end += 2) {                 \
-        const size_t q = p + end * chord;                                        \
-        BODY                                                                     \
-      }                                                                          \
-    }                                                                            \
-  }
-
 void copy_light(global const float* from, global float* to, long plane, size_t p) {
   for (int c = 0; c < 6; ++c) store(load(from + c * plane + p), to + c * plane + p);
 }
@@ -129,7 +108,7 @@ kernel void svgf_variance_samples(PASS_ARGUMENTS) {
     const size_t p = origin + (size_t)y * stride + x;
     const Surface s = surface_at(guides, stride, plane, p, k.y);
     vf sum = 1.0f, direct = load(from + 6 * plane + p), indirect = load(from + 7 * plane + p);
-    FOR_EACH_CHORD(3, {
+    FOR_EACH_CHORD(3, depth_scale(s, i, j, k.x), {
       const vf w = normal_weight(s, guides, plane, q) * exp2_of_negative(depth_exponent(s, guides, q, scale));
       sum += w;
       direct = fma(w, load(from + 6 * plane + q), direct);
@@ -164,7 +143,7 @@ kernel void svgf_variance_spatial(PASS_ARGUMENTS) {
     const size_t p = origin + (size_t)y * stride + x;
     const Surface s = surface_at(guides, stride, plane, p, k.y);
     vf sum = 1.0f, direct1 = 0.0f, direct2 = 0.0f, indirect1 = 0.0f, indirect2 = 0.0f;
-    FOR_EACH_CHORD(3, {
+    FOR_EACH_CHORD(3, depth_scale(s, i, j, k.x), {
       const vf w = normal_weight(s, guides, plane, q) * exp2_of_negative(depth_exponent(s, guides, q, scale));
       const vf direct = luminance_step(from, plane, p, q);
       const vf indirect = luminance_step(from + 3 * plane, plane, p, q);
@@ -179,22 +158,6 @@ kernel void svgf_variance_spatial(PASS_ARGUMENTS) {
     store(valid ? variance_of(sum, direct1, direct2) : (vf)0.0f, to + 6 * plane + p);
     store(valid ? variance_of(sum, indirect1, indirect2) : (vf)0.0f, to + 7 * plane + p);
   }
-}
-
-// The variance at p smoothed by the 3x3 Gaussian (1/4, 1/2, 1/4)^2 over the valid pixels: steers, is not passed on.
-vf smoothed_variance(global const float* guides, global const float* variance, int stride, size_t p) {
-  vf sum = 0.0f, total = 0.0f;
-#pragma unroll
-  for (int j = -1; j <= 1; ++j) {
-#pragma unroll
-    for (int i = -1; i <= 1; ++i) {
-      const size_t q = p + (long)j * stride + i;
-      const vf g = load(guides + q) < (vf)INFINITY ? (vf)((i ? 0.25f : 0.5f) * (j ? 0.25f : 0.5f)) : (vf)0.0f;
-      sum += g;
-      total = fma(g, load(variance + q), total);
-    }
-  }
-  return total / sum;
 }
 
 // One kind of light on its way through a level.
@@ -248,7 +211,7 @@ kernel void svgf_level(PASS_ARGUMENTS) {
     const Surface s = surface_at(guides, stride, plane, p, k.y);
     Light direct = light_at(guides, from, from + 6 * plane, stride, plane, p, k);
     Light indirect = light_at(guides, from + 3 * plane, from + 7 * plane, stride, plane, p, k);
-    FOR_EACH_CHORD(2, {
+    FOR_EACH_CHORD(2, depth_scale(s, i, j, k.x), {
       const vf weight = kB3[i + 2] * kB3[j + 2] * normal_weight(s, guides, plane, q);
       const vf exponent = depth_exponent(s, guides, q, scale);
       direct = gathered(direct, from, from + 6 * plane, plane, q, weight, exponent);

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the a-trous filters share: how large a pixel is on the surface that it sees and how that surface slopes (by
+// the pixels beside it, for a filter that takes only means knows no derivatives); windows; smoothed variance.
+
+// Squared distance of the surface points seen at pixels p and q. points: three planes, 0 is +infinity at invalid
+// pixels.
+vf squared_distance(global const float* points, long plane, size_t p, size_t q) {
+  const vf x = load(points + q) - load(points + p);
+  const vf y = load(points + plane + q) - load(points + plane + p);
+  const vf z = load(points + 2 * plane + q) - load(points + 2 * plane + p);
+  return fma(x, x, fma(y, y, z * z));
+}
+
+// The smaller of two, 0 if neither is finite: the neighbour across an edge says nothing about this surface.
+vf smaller_if_any(vf a, vf b) {
+  const vf least = a < b ? a : b;
+  return least < (vf)1e24f ? least : (vf)0.0f;
+}
+
+// Squared distance to the next pixel's surface point, both axes as a diagonal.
+vf squared_footprint(global const float* points, int stride, long plane, size_t p) {
+  return smaller_if_any(squared_distance(points, plane, p, p - 1), squared_distance(points, plane, p, p + 1)) +
+         smaller_if_any(squared_distance(points, plane, p, p - stride),
+                        squared_distance(points, plane, p, p + stride));
+}
+
+// The one-sided difference of smaller magnitude: the larger one may cross an edge. 0 if neither side is valid.
+vf slope(vf before, vf centre, vf after) {
+  const vf back = centre - before, ahead = after - centre;
+  const vf least = fabs(back) < fabs(ahead) ? back : ahead;
+  return fabs(least) < (vf)INFINITY ? least : (vf)0.0f;
+}
+
+// Runs BODY for both ends q of every chord (i, j) of the (2 RADIUS + 1)^2 window: they share what SCALE yields.
+#define FOR_EACH_CHORD(RADIUS, SCALE, BODY)                                    \
+  _Pragma("nounroll") for (int j = 0; j <= RADIUS; ++j) {                      \
+    _Pragma("nounroll") for (int i = -RADIUS; i <= RADIUS; ++i) {              \
+      if (j == 0 && i <= 0) continue;                                          \
+      const vf scale = SCALE;                                                  \
+      const long chord = (long)(j * step) * stride + i * step;                 \
+      _Pragma("unroll") for (int end = -1; end <= 1; end += 2) {               \
+        const size_t q = p + end * chord;                                      \
+        BODY                                                                   \
+      }                                                                        \
+    }                                                                          \
+  }
+
+// The variance at p smoothed by the 3x3 Gaussian (1/4, 1/2, 1/4)^2 over the valid pixels: steers, is not passed on.
+vf smoothed_variance(global const float* guides, global const float* variance, int stride, size_t p) {
+  vf sum = 0.0f, total = 0.0f;
+#pragma unroll
+  for (int j = -1; j <= 1; ++j) {
+#pragma unroll
+    for (int i = -1; i <= 1; ++i) {
+      const size_t q = p + (long)j * stride + i;
+      const vf g = load(guides + q) < (vf)INFINITY ? (vf)((i ? 0.25f : 0.5f) * (j ? 0.25f : 0.5f)) : (vf)0.0f;
+      sum += g;
+      total = fma(g, load(variance + q), total);
+    }
+  }
+  return total / sum;
+}
