@@ -30,6 +30,8 @@ constexpr std::string_view kTexts[] = {
     "sure-atrous",
     "sure-atrous:edge=svgf",
     "sure-atrous:mode=literal",
+    "nlm",
+    "nlm:mode=prefilter",
     "svgf",
     "svgf:variance=spatial",
 };

@@ -13,6 +13,7 @@ FilterDescription describe_atrous();
 FilterDescription describe_bmfr();
 FilterDescription describe_statmc();
 FilterDescription describe_sure_atrous();
+FilterDescription describe_nlm();
 FilterDescription describe_svgf();
 
 // Levels 0 .. levels-1 of the a-trous wavelet transform (Dammertz et al. 2010, section 2): the 5x5 B3 kernel

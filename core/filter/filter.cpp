@@ -13,8 +13,8 @@ namespace tessera {
 
 std::span<const FilterDescription> filters() {
   static const std::array all{
-      describe_none(),   describe_atrous(),      describe_bmfr(),
-      describe_statmc(), describe_sure_atrous(), describe_svgf(),
+      describe_none(),        describe_atrous(), describe_bmfr(), describe_statmc(),
+      describe_sure_atrous(), describe_nlm(),    describe_svgf(),
   };
   return all;
 }

@@ -6,6 +6,7 @@
 
 #include "tests/reference/atrous.h"
 #include "tests/reference/bmfr.h"
+#include "tests/reference/nlm.h"
 #include "tests/reference/statmc.h"
 #include "tests/reference/sure_atrous.h"
 #include "tests/reference/svgf.h"
@@ -14,11 +15,9 @@ namespace tessera::reference {
 
 Image filtered(const FilterPlan& plan, const Image& input) {
   static const std::map<std::string_view, Image (*)(const FilterPlan&, const Image&)> all{
-      {"atrous", atrous},
-      {"bmfr", bmfr},
-      {"statmc", statmc},
-      {"sure-atrous", sure_atrous},
-      {"svgf", svgf},
+      {"atrous", atrous}, {"bmfr", bmfr},     {"statmc", statmc}, {"sure-atrous", sure_atrous},
+      {"svgf", svgf},     {"atrous", atrous}, {"bmfr", bmfr},     {"statmc", statmc},
+      {"nlm", nlm},       {"svgf", svgf},
   };
   return all.at(plan.name)(plan, input);
 }

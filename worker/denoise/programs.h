@@ -18,6 +18,7 @@ Program atrous_program();
 Program bmfr_program();
 Program statmc_program();
 Program sure_atrous_program();
+Program nlm_program();
 Program svgf_program();
 
 // Precondition: the filter has passes.

@@ -33,6 +33,10 @@ const std::vector<FilterCase>& filter_cases() {
       {.text = "sure-atrous:edge=svgf,weights=grid", .extreme = 0},
       {.text = "sure-atrous:distance=depth,variance=spatial,window=1", .extreme = 0, .slow = true},
       {.text = "sure-atrous:mode=literal,edge=svgf,distance=depth", .extreme = 0.1, .slow = true},
+      {.text = "nlm", .parts_sky = false, .slow = true},
+      {.text = "nlm:cut=soft,radius=3,patch=2", .parts_sky = false, .slow = true},
+      {.text = "nlm:mode=prefilter", .parts_sky = false, .slow = true},
+      {.text = "nlm:mode=prefilter,patch_mode=exp_of_mean", .parts_sky = false, .slow = true},
       {.text = "svgf"},
       {.text = "svgf:variance=spatial", .extreme = 0},
   };

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Non-local means as a part of filters: the shape of a run of the kernels nlm (worker/denoise/kernels/nlm.cl)
+// and nlm_mean_of_exp (nlm_prefilter.cl), and what one costs.
+#pragma once
+
+#include "core/filter/filter.h"
+
+namespace tessera {
+
+struct NlmShape {
+  int radius = 0;    // of the window
+  int patch = 0;     // radius of the patches
+  int channels = 1;  // whose distances are averaged
+  int halves = 1;    // 2: weights of either filter the other
+
+  int reach() const { return radius + patch; }
+  int offsets() const { return (2 * radius + 1) * (2 * radius + 1) - 1; }
+};
+
+// Tiles in which the kernels work, and the offsets they take at a time: tables of all their sums stay in a
+// core's second cache, the group's rows in the first.
+inline constexpr int kNlmColumns = 128, kNlmRows = 64, kNlmGroup = 3;
+
+// Of the filter nlm with these parameters.
+NlmShape nlm_shape(const ParameterValues&);
+
+// Of a pixel, in the kernels' inner loops: exponential of the mean distance, mean of the exponentials.
+double nlm_flops(const NlmShape&);
+double nlm_mean_of_exp_flops(const NlmShape&);
+// Floats of tables a pixel takes at most.
+double nlm_scratch(const NlmShape&);
+
+}  // namespace tessera
