@@ -10,6 +10,11 @@ namespace tessera {
 
 FilterDescription describe_none();
 FilterDescription describe_atrous();
+FilterDescription describe_bilateral();
+FilterDescription describe_box();
+FilterDescription describe_cross_bilateral();
+FilterDescription describe_gaussian();
+FilterDescription describe_statmc();
 FilterDescription describe_bmfr();
 FilterDescription describe_statmc();
 FilterDescription describe_sure_atrous();
@@ -27,10 +32,21 @@ void append(std::vector<Channel>& to, std::initializer_list<Aov>, Statistic = St
 
 // Operations of exp2_of_negative in the kernels (worker/denoise/kernels/common.cl).
 inline constexpr double kExpFlops = 15;
+// And of weight_of (worker/denoise/kernels/window.cl).
+inline constexpr double kWeightFlops = 12;
 
 // Parameters that several a-trous filters have.
 Parameter levels_parameter(std::string_view source);
 Parameter sigma_n_parameter(std::string_view source);
 Parameter sigma_x_parameter(std::string_view source);
+
+// The width of a window with the pixel in its centre: an odd number. Its radius, by the parameter's name.
+Parameter window_parameter(std::string_view name, int standard, std::string_view source);
+int window_radius(const ParameterValues&, std::string_view name);
+// Floats a pixel takes for `planes` in strips with room for a window (worker/denoise/window.h).
+double window_scratch(int planes);
+
+// The parameter `diameter` of filters that measure depth in tenths of the scene's diameter.
+Parameter diameter_parameter();
 
 }  // namespace tessera

@@ -15,6 +15,10 @@ struct Program {
 };
 
 Program atrous_program();
+Program bilateral_program();
+Program box_program();
+Program cross_bilateral_program();
+Program gaussian_program();
 Program bmfr_program();
 Program statmc_program();
 Program sure_atrous_program();

@@ -18,6 +18,10 @@ const std::vector<FilterCase>& filter_cases() {
   // decided likewise; variance from the picture is then the rounding of a difference of equal moments.
   static const std::vector<FilterCase> cases{
       {.text = "atrous"},
+      {.text = "bilateral", .parts_sky = false},
+      {.text = "box", .parts_sky = false},
+      {.text = "cross-bilateral"},
+      {.text = "gaussian", .parts_sky = false},
       // Fits of up to 4096 pixels in single precision: rounding in the sums is as far below the ridge as that
       // is below them, 1e-4; the fitted light is a sum of terms of both signs.
       fit("bmfr"),

@@ -17,6 +17,7 @@ typedef float vf;
 typedef int vi;
 #define as_vf as_float
 #define as_vi as_int
+#define to_int(v) convert_int(v)
 #define load(p) (*(p))
 #define store(v, p) (*(p) = (v))
 #else
@@ -24,6 +25,7 @@ typedef JOIN(float, VW) vf;
 typedef JOIN(int, VW) vi;
 #define as_vf JOIN(as_float, VW)
 #define as_vi JOIN(as_int, VW)
+#define to_int(v) JOIN(convert_int, VW)(v)
 #define load(p) JOIN(vload, VW)(0, p)
 #define store(v, p) JOIN(vstore, VW)(v, 0, p)
 #endif

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// The cheap weights of windows (kernels/window.cl).
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "tests/worker/denoise/denoise_test.h"
+#include "worker/denoise/device_cl.h"
+
+namespace tessera {
+namespace {
+
+constexpr float kOne = 127 << 23, kUnit = 1 << 23;  // the exponents of 1, and of an octave
+
+class WindowWeights : public OnDevice {
+ protected:
+  std::vector<float> of(const std::vector<float>& exponents) {
+    ClDevice& cl = dynamic_cast<ClDevice&>(*device_);
+    std::ifstream file(TESSERA_SOURCE_DIR "/worker/denoise/kernels/window.cl");
+    std::stringstream source;
+    source << file.rdbuf()
+           << "kernel void evaluate(global const float* e, global float* w) {"
+              "  const int i = get_global_id(1) * VW;"
+              "  store(weight_of(load(e + i)), w + i);"
+              "}";
+    const std::lock_guard lock(cl.mutex());
+    std::vector<float> results(exponents.size());
+    cl::Program& program = cl.program(source.str(), "-DRADIUS=1 -DPLANES=1 -DSTRIP=128 -DPAD=16 -DPITCH=160");
+    cl::Kernel kernel(program, "evaluate");
+    cl::Buffer in = cl.borrowed(std::span(exponents)), out = cl.borrowed(std::span(results));
+    kernel.setArg(0, in);
+    kernel.setArg(1, out);
+    cl.run(kernel, 1, static_cast<int>(exponents.size()) / cl.vector_width());
+    cl.finish(out, results);
+    return results;
+  }
+};
+
+TEST_F(WindowWeights, AreAsPreciseAsTheKernelsSay) {
+  std::vector<float> exponents;
+  for (int i = 0; i < 1 << 20; ++i)
+    exponents.push_back(kOne - 126.0f * kUnit * static_cast<float>(i) / (1 << 20));
+  for (int i = 0; i < 1 << 17; ++i)
+    exponents.push_back(kOne - 64.0f * static_cast<float>(i));  // all between 1/2 and 1
+  const std::vector<float> weights = of(exponents);
+  double worst = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    worst = std::max(worst, std::abs(weights[i] / std::exp2((double(exponents[i]) - kOne) / kUnit) - 1));
+  EXPECT_LT(worst, 9e-5);
+  EXPECT_GT(worst, 8e-5);  // as the polynomial's alternating errors are
+}
+
+TEST_F(WindowWeights, AreExactAtTheEnds) {
+  std::vector<float> exponents(16, -INFINITY);
+  exponents[0] = kOne;
+  exponents[1] = kOne - kUnit;
+  exponents[2] = -3e38f;
+  exponents[3] = 0;
+  exponents[4] = kUnit;
+  exponents[5] = NAN;
+  const std::vector<float> weights = of(exponents);
+  EXPECT_THAT(std::vector(weights.begin(), weights.begin() + 7),
+              testing::ElementsAre(1.0f, 0.5f, 0.0f, 0.0f, 0x1p-126f, 0.0f, 0.0f));
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Windows of which every tap has a weight of its own: what they read, laid out in strips.
+//
+// A strip is STRIP columns of the inner region with PAD more on either side, and all rows that its windows reach;
+// row after row, and of each row plane after plane, PITCH floats apart. So the addresses of all planes and taps of
+// a row are one pointer and constants, and a strip's windows stay in the cache while its rows are walked.
+// RADIUS, STEP: how far a window reaches, and how far its taps lie apart. PLANES: in a strip.
+
+// A plane that is finite for it is also summed up, at pixels that may be none's neighbour: its square is infinite,
+// so that their weight is exactly 0, and 0 times it is 0.
+#define FAR 1e38f
+
+// Exponents of weights are counted in float's own bits, from that of 1: 2^t has the exponent (t + 127) 2^23. So
+// planes are scaled by 2^11.5 more, and an exponent becomes a number by three instructions.
+#define OF_ONE 1065353216.0f
+#define UNIT 8388608.0f
+
+// The number whose exponent is e <= OF_ONE. Relative error below 9e-5 (and 4e-6 for each rounding of e); exactly 1 at
+// OF_ONE; exactly 0 at -infinity, no more than 2^-126 below UNIT. The mantissa m in [1, 2) becomes 2^(m - 1) by a
+// minimax polynomial of degree 3 that is 1 at 1 and stays in [1, 2) after rounding. A third of the cost of
+// exp2_of_negative, for windows with hundreds of weights a pixel.
+vf weight_of(vf e) {
+  const vi bits = to_int(e > (vf)0.0f ? e : (vf)0.0f);
+  const vf m = as_vf((bits & 0x007fffff) | 0x3f800000);
+  vf p = 0.0770670399f;
+  p = fma(p, m, (vf)-0.00355613488f);
+  p = fma(p, m, (vf)0.471027941f);
+  p = fma(p, m, (vf)0.455461174f);
+  return as_vf((as_vi(p) & 0x007fffff) | (bits & 0x7f800000));
+}
+
+// Arguments of every kernel: the input over w x h pixels, the strips, the pixels [x0, x1) x [y0, y1) of the outer
+// region that are filtered.
+#define WINDOW_INPUT global const float *restrict input, int w, int h
+#define WINDOW_REGION int x0, int y0, int x1, int y1
+
+// Where a work-item's row lies: kernels run over strips * rows rows.
+typedef struct {
+  int strip, row;
+} StripRow;
+
+StripRow strip_row(int index, int rows) {
+  StripRow s = {index / rows, index % rows};
+  return s;
+}
+
+// First float of plane 0 of row `row` (0: the first that is read) of a strip of `rows` rows.
+size_t strip_offset(StripRow s, int rows) { return ((size_t)s.strip * rows + s.row) * (PLANES * PITCH); }
+
+// VW floats of a row of w, of which those outside it are `rest`.
+vf load_within(global const float* row, int x, int w, float rest) {
+  if (x >= 0 && x + VW <= w) return load(row + x);
+  float lanes[VW];
+  for (int k = 0; k < VW; ++k) lanes[k] = x + k >= 0 && x + k < w ? row[x + k] : rest;
+  return load(lanes);
+}
+
+// All pixels of a vector as none's neighbours: plane 0 lies `far`.
+void store_outside(global float* to, float far) {
+  for (int c = 0; c < PLANES; ++c) store((vf)(c == 0 ? far : 0.0f), to + c * PITCH);
+}

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/denoise/window.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace tessera {
+namespace {
+
+// Columns of a strip. With a window of 21x21 and 16 planes a strip's windows take 200 kB.
+constexpr int kStrip = 128;
+constexpr int kWidestVector = 16;
+
+int pad(int radius) { return (radius + kWidestVector - 1) / kWidestVector * kWidestVector; }
+int pitch(int radius) { return kStrip + 2 * pad(radius); }
+
+}  // namespace
+
+std::string window_options(const FilterPlan& plan, int planes) {
+  const Pass pass = plan.passes().front();
+  return fmt::format("-DRADIUS={} -DSTEP={} -DPLANES={} -DSTRIP={} -DPAD={} -DPITCH={}", pass.radius,
+                     pass.step, planes, kStrip, pad(pass.radius), pitch(pass.radius));
+}
+
+Window window(Stage& s, int planes) {
+  const int radius = s.passes().front().radius, width = pitch(radius);
+  const int strips = (s.inner().width() + kStrip - 1) / kStrip;
+  const int rows = strips * s.inner().height(), rows_read = rows + strips * 2 * radius;
+  return {s.scratch(static_cast<std::size_t>(planes) * width * rows_read),
+          {0, 0, width, rows_read},
+          {0, 0, kStrip, rows}};
+}
+
+float gaussian_scale(double sigma) {
+  return static_cast<float>(std::sqrt(kOctave * std::numbers::log2e / 2) / sigma);
+}
+
+// Whatever the diameter, what is no sky stays finite.
+float depth_scale(const FilterPlan& plan, double sigma) {
+  constexpr double kMost = 1e7;
+  const double diameter = plan["diameter"] > 0 ? plan["diameter"] : 1;
+  return static_cast<float>(std::min(kMost, gaussian_scale(sigma) * 10 / diameter));
+}
+
+}  // namespace tessera
