@@ -21,9 +21,23 @@ namespace {
 constexpr int kRuns = 25;
 constexpr int kFewRuns = 3;        // of a filter that takes longer than
 constexpr double kLongRun = 0.25;  // seconds
-"atrous", "bilateral", "box", "cross-bilateral", "gaussian", "svgf", "svgf:variance=spatial", "bmfr:grids=1",
-    "bmfr", "bmfr:regularisation=stochastic", "statmc", "sure-atrous", "sure-atrous:edge=svgf",
-    "sure-atrous:mode=literal", "nlm", "nlm:mode=prefilter"
+constexpr std::string_view kTexts[] = {
+    "atrous",
+    "bilateral",
+    "box",
+    "cross-bilateral",
+    "gaussian",
+    "bmfr:grids=1",
+    "bmfr",
+    "bmfr:regularisation=stochastic",
+    "statmc",
+    "sure-atrous",
+    "sure-atrous:edge=svgf",
+    "sure-atrous:mode=literal",
+    "nlm",
+    "nlm:mode=prefilter",
+    "svgf",
+    "svgf:variance=spatial",
 };
 constexpr int kPeakRuns = 100;  // short ones: the best falls between other programs' turns
 
