@@ -16,6 +16,7 @@ FilterDescription describe_cross_bilateral();
 FilterDescription describe_gaussian();
 FilterDescription describe_statmc();
 FilterDescription describe_bmfr();
+FilterDescription describe_sbf();
 FilterDescription describe_statmc();
 FilterDescription describe_sure_atrous();
 FilterDescription describe_nlm();

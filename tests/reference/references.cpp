@@ -8,6 +8,7 @@
 #include "tests/reference/bilateral.h"
 #include "tests/reference/bmfr.h"
 #include "tests/reference/nlm.h"
+#include "tests/reference/sbf.h"
 #include "tests/reference/separable.h"
 #include "tests/reference/statmc.h"
 #include "tests/reference/sure_atrous.h"
@@ -17,15 +18,17 @@ namespace tessera::reference {
 
 Image filtered(const FilterPlan& plan, const Image& input) {
   static const std::map<std::string_view, Image (*)(const FilterPlan&, const Image&)> all{
-      {"atrous", atrous},     {"bilateral", bilateral},
-      {"box", box},           {"cross-bilateral", cross_bilateral},
-      {"gaussian", gaussian}, {"bmfr", bmfr},
-      {"statmc", statmc},     {"svgf", svgf},
-      {"atrous", atrous},     {"bmfr", bmfr},
-      {"statmc", statmc},     {"sure-atrous", sure_atrous},
-      {"svgf", svgf},         {"atrous", atrous},
-      {"bmfr", bmfr},         {"statmc", statmc},
-      {"nlm", nlm},           {"svgf", svgf},
+      {"atrous", atrous},
+      {"bilateral", bilateral},
+      {"bmfr", bmfr},
+      {"box", box},
+      {"cross-bilateral", cross_bilateral},
+      {"gaussian", gaussian},
+      {"nlm", nlm},
+      {"sbf", sbf},
+      {"statmc", statmc},
+      {"sure-atrous", sure_atrous},
+      {"svgf", svgf},
   };
   return all.at(plan.name)(plan, input);
 }

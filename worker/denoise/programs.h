@@ -20,6 +20,7 @@ Program box_program();
 Program cross_bilateral_program();
 Program gaussian_program();
 Program bmfr_program();
+Program sbf_program();
 Program statmc_program();
 Program sure_atrous_program();
 Program nlm_program();

@@ -99,9 +99,10 @@ TEST_F(Filters, CommuteWithATurnOf180Degrees) {
 
 TEST_F(Filters, ScaleWithTheLight) {
   constexpr float kFactor = 8;
-  for (const auto& [text, scaled_text] : {std::pair{"svgf", "svgf"}, std::pair{"bmfr", "bmfr"},
-                                          std::pair{"atrous:sigma_c=0.5", "atrous:sigma_c=4"},
-                                          std::pair{"svgf:variance=spatial", "svgf:variance=spatial"}}) {
+  for (const auto& [text, scaled_text] :
+       {std::pair{"svgf", "svgf"}, std::pair{"bmfr", "bmfr"}, std::pair{"sbf", "sbf"},
+        std::pair{"atrous:sigma_c=0.5", "atrous:sigma_c=4"},
+        std::pair{"svgf:variance=spatial", "svgf:variance=spatial"}}) {
     const FilterPlan plan = parse_filter(text);
     Image input = made_up_input(plan, {0, 0, 64, 64}, "noise");
     Image expected = filtered(plan, input);
