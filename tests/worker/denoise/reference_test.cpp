@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+// The kernels against the scalar references.
+#include <cmath>
+
+#include "tests/reference/references.h"
+#include "tests/worker/denoise/denoise_test.h"
+
+namespace tessera {
+namespace {
+
+// Weights below 2^-126 are 0.
+constexpr double kSmallestWeight = 0x1p-125;
+
+void expect_close(const Image& result, const Image& expected, double relative, double of_largest,
+                  const std::string& what) {
+  double largest = 0, worst = 0;
+  for (const float v : expected.data()) largest = std::max(largest, std::abs(double(v)));
+  for (std::size_t i = 0; i < expected.data().size(); ++i) {
+    const double e = expected.data()[i], difference = std::abs(result.data()[i] - e);
+    ASSERT_TRUE(difference <= relative * std::abs(e) + (kSmallestWeight + of_largest) * largest)
+        << what << ", value " << i << ": " << result.data()[i] << " is not " << e;
+    if (e != 0) worst = std::max(worst, difference / std::abs(e));
+  }
+  testing::Test::RecordProperty(what, std::to_string(worst));
+}
+
+class AgainstReference : public OnDevice {
+ protected:
+  void compare(const FilterCase& c, const FilterPlan& plan, const Region& region) {
+    for (const std::string_view kind : kKinds) {
+      const double relative = kind == "extreme" ? c.extreme : c.relative;
+      if (relative == 0) continue;
+      const Image input = made_up_input(plan, region, kind);
+      expect_close(filtered(plan, input), reference::filtered(plan, input), relative, c.of_largest,
+                   to_string(plan) + " on " + std::string(kind));
+    }
+  }
+  // The variant `text` must be as near to its formulas as the plain filter is, and differ from it.
+  void compare_variant(std::string_view text) {
+    const FilterPlan plan = parse_filter(text), standard = parse_filter(plan.name);
+    const auto& cases = filter_cases();
+    const auto plain = std::ranges::find(cases, plan.name, &FilterCase::text);
+    ASSERT_NE(plain, cases.end()) << text;
+    const Region region{-5, 3, 32, 32};
+    compare(*plain, plan, region);
+    const Image input = made_up_input(plan, region, "noise");
+    EXPECT_FALSE(
+        same_bits(filtered(plan, input), filtered(standard, made_up_input(standard, region, "noise"))))
+        << text;
+  }
+};
+
+TEST_F(AgainstReference, EveryFilterComputesItsFormulasOnEveryKindOfInput) {
+  for (const FilterCase& c : filter_cases())
+    compare(c, parse_filter(c.text), c.slow ? Region{0, 0, 33, 26} : Region{0, 0, 61, 47});
+}
+
+TEST_F(AgainstReference, ParametersReachTheKernels) {
+  constexpr std::string_view texts[] = {
+      "atrous:levels=1",
+      "atrous:sigma_c=0.1",
+      "atrous:sigma_n=1",
+      "atrous:sigma_x=1",
+      "bilateral:width=5",
+      "bilateral:sigma_s=0.1",
+      "bilateral:sigma_r=0.1",
+      "bmfr:block=16",
+      "bmfr:grids=1",
+      "bmfr:grids=2",
+      "bmfr:grids=3",
+      "bmfr:frame=7",
+      "bmfr:regularisation=stochastic",
+      "bmfr:epsilon=0.3",
+      "bmfr:clamp=1",
+      "bmfr:regularisation=stochastic,epsilon=0.1,frame=3",
+      "box:width=9",
+      "cross-bilateral:width=11",
+      "cross-bilateral:sigma_s=0.1",
+      "cross-bilateral:sigma_r=0.1",
+      "cross-bilateral:sigma_n=0.01",
+      "cross-bilateral:sigma_d=0.1",
+      "cross-bilateral:sigma_a=1",
+      "cross-bilateral:diameter=1000",
+      "gaussian:sigma=0.7",
+      "sbf:filters=3",
+      "sbf:sigma_n=0.1",
+      "sbf:sigma_a=0.05",
+      "sbf:sigma_d=10",
+      "sbf:diameter=20",
+      "sbf:smoothing=1",
+      "statmc:radius=5",
+      "statmc:sigma_s=3",
+      "statmc:sigma_a=0.2",
+      "statmc:sigma_n=0.01",
+      "statmc:level=0.1",
+      "sure-atrous:levels=2",
+      "sure-atrous:mode=literal",
+      "sure-atrous:weights=grid",
+      "sure-atrous:window=0",
+      "sure-atrous:edge=svgf",
+      "sure-atrous:edge=svgf,sigma_l=1",
+      "sure-atrous:sigma_n=1",
+      "sure-atrous:sigma_x=1",
+      "sure-atrous:sigma_y=3",
+      "sure-atrous:distance=depth",
+      "sure-atrous:distance=depth,sigma_z=3",
+      "sure-atrous:variance=spatial",
+      "nlm:radius=3",
+      "nlm:radius=3,patch=1",
+      "nlm:radius=3,k=1",
+      "nlm:radius=3,alpha=0.5",
+      "nlm:radius=3,threshold=0.2",
+      "nlm:radius=3,cut=soft",
+      "nlm:radius=3,epsilon=0.01",
+      "nlm:mode=prefilter,radius=2,patch=1",
+      "nlm:mode=prefilter,patch_mode=exp_of_mean,radius=2,k=1",
+      "nlm:mode=prefilter,epsilon=0.01",
+      "svgf:levels=2",
+      "svgf:sigma_z=3",
+      "svgf:sigma_n=1",
+      "svgf:sigma_l=0.5",
+  };
+  for (const std::string_view text : texts) compare_variant(text);
+}
+
+TEST_F(AgainstReference, LightOfSixtyDecadesStaysBetweenItsBounds) {
+  const FilterPlan plan = parse_filter("svgf:variance=spatial");
+  const Image result = filtered(plan, made_up_input(plan, {0, 0, 61, 47}, "extreme"));
+  for (const float v : result.data()) ASSERT_TRUE(v >= 0 && v <= 4e30f) << v;
+}
+
+TEST_F(AgainstReference, PicturesOfOnePixelOneRowAndOneColumnAreFiltered) {
+  for (const FilterCase& c : filter_cases())
+    for (const Region& region : {Region{0, 0, 1, 1}, Region{3, 9, 50, 10}, Region{7, 0, 8, 41}})
+      compare(c, parse_filter(c.text), region);
+}
+
+}  // namespace
+}  // namespace tessera
