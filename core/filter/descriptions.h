@@ -17,6 +17,7 @@ FilterDescription describe_gaussian();
 FilterDescription describe_statmc();
 FilterDescription describe_bmfr();
 FilterDescription describe_sbf();
+FilterDescription describe_guided();
 FilterDescription describe_statmc();
 FilterDescription describe_sure_atrous();
 FilterDescription describe_nlm();

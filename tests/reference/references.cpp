@@ -7,6 +7,7 @@
 #include "tests/reference/atrous.h"
 #include "tests/reference/bilateral.h"
 #include "tests/reference/bmfr.h"
+#include "tests/reference/guided.h"
 #include "tests/reference/nlm.h"
 #include "tests/reference/sbf.h"
 #include "tests/reference/separable.h"
@@ -24,6 +25,7 @@ Image filtered(const FilterPlan& plan, const Image& input) {
       {"box", box},
       {"cross-bilateral", cross_bilateral},
       {"gaussian", gaussian},
+      {"guided", guided},
       {"nlm", nlm},
       {"sbf", sbf},
       {"statmc", statmc},

@@ -16,14 +16,15 @@ struct Program {
 
 Program atrous_program();
 Program bilateral_program();
+Program bmfr_program();
 Program box_program();
 Program cross_bilateral_program();
 Program gaussian_program();
-Program bmfr_program();
+Program guided_program();
+Program nlm_program();
 Program sbf_program();
 Program statmc_program();
 Program sure_atrous_program();
-Program nlm_program();
 Program svgf_program();
 
 // Precondition: the filter has passes.

@@ -37,6 +37,21 @@ const std::vector<FilterCase>& filter_cases() {
       // means whose sides differ by less than their rounding may fall out either way; of these inputs none
       // does.
       {.text = "statmc", .relative = 5e-4},
+      // Covariances are differences of means, over a variance of 0.01 and more; sums run from left to right,
+      // whichever way the picture is turned. Depth that is not scaled varies by hundreds of epsilons.
+      {.text = "guided",
+       .relative = 5e-3,
+       .extreme = 0,
+       .of_largest = 1e-5,
+       .constant = 1e-5,
+       .turns = false,
+       .slow = true},
+      {.text = "guided:radius=5,depth_scale=10",
+       .relative = 1e-4,
+       .extreme = 0,
+       .of_largest = 1e-5,
+       .constant = 1e-5,
+       .turns = false},
       {.text = "sure-atrous"},
       {.text = "sure-atrous:edge=svgf,weights=grid", .extreme = 0},
       {.text = "sure-atrous:distance=depth,variance=spatial,window=1", .extreme = 0, .slow = true},

@@ -72,6 +72,8 @@ TEST_F(Tiles, WithOnePixelLessHaloDiffer) {
       {"box"},
       {"cross-bilateral:width=11"},
       {"gaussian:sigma=1.7"},
+      {"guided"},
+      {"guided:radius=3"},
       {"statmc"},
       {"statmc:radius=4"},
       {"sure-atrous:levels=3,sigma_y=100"},
