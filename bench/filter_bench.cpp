@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <map>
@@ -37,6 +38,7 @@ constexpr std::string_view kTexts[] = {
     "bmfr:grids=1",
     "bmfr",
     "bmfr:regularisation=stochastic",
+    "rpf",
     "statmc",
     "sure-atrous",
     "sure-atrous:edge=svgf",
@@ -44,7 +46,8 @@ constexpr std::string_view kTexts[] = {
     "svgf",
     "svgf:variance=spatial",
 };
-constexpr int kPeakRuns = 100;  // short ones: the best falls between other programs' turns
+constexpr double kMostFlops = 1e12;  // of a call: slower filters get a smaller picture
+constexpr int kPeakRuns = 100;       // short ones: the best falls between other programs' turns
 
 // Surfaces with noise, such that every weight is exercised.
 Image noisy_input(const FilterPlan& plan, const Region& frame) {
@@ -190,8 +193,21 @@ void add_times(std::vector<Row>& rows, const std::vector<KernelTime>& times) {
   }
 }
 
-void measure(ClDevice& device, std::string_view text, const Region& frame, const Machine& machine) {
+// The frame, or as much of it as a call of the filter may take.
+Region measured(const FilterPlan& plan, const Region& frame) {
+  double flops = 0;
+  for (const Pass& p : plan.passes()) flops += p.flops;
+  const double pixels = kMostFlops / std::max(flops, 1.0);
+  if (pixels >= static_cast<double>(frame.area())) return frame;
+  const double edge = std::sqrt(pixels / static_cast<double>(frame.area()));
+  const auto cut = [&](int v) { return std::max(1, static_cast<int>(edge * v)); };
+  return {0, 0, cut(frame.width()), cut(frame.height())};
+}
+
+void measure(ClDevice& device, std::string_view text, const Region& asked, const Machine& machine) {
   const FilterPlan plan = resolved(parse_filter(text), {});
+  const Region frame = measured(plan, asked);
+  if (frame != asked) fmt::print("{} over {}x{}\n", text, frame.width(), frame.height());
   const Image input = noisy_input(plan, frame);
   std::vector<KernelTime> times;
   device.record(&times);

@@ -18,6 +18,7 @@ FilterDescription describe_statmc();
 FilterDescription describe_bmfr();
 FilterDescription describe_sbf();
 FilterDescription describe_guided();
+FilterDescription describe_rpf();
 FilterDescription describe_statmc();
 FilterDescription describe_sure_atrous();
 FilterDescription describe_nlm();

@@ -23,6 +23,8 @@ Program gaussian_program();
 Program guided_program();
 Program nlm_program();
 Program sbf_program();
+Program bmfr_program();
+Program rpf_program();
 Program statmc_program();
 Program sure_atrous_program();
 Program svgf_program();

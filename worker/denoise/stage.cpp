@@ -117,6 +117,12 @@ Planes Stage::scratch(std::size_t floats) {
   return {space.buffer};
 }
 
+cl::Buffer Stage::table(std::vector<cl_int> values) {
+  static_assert(sizeof(cl_int) == sizeof(float));
+  const auto& kept = tables_.emplace_back(std::move(values));
+  return device_.borrowed(std::span(reinterpret_cast<const float*>(kept.data()), kept.size()));
+}
+
 void Stage::set(cl::Kernel& kernel, cl_uint& index, const Layout& l) {
   kernel.setArg(index++, cl_int{l.stride});
   kernel.setArg(index++, l.plane);

@@ -3,6 +3,7 @@
 // output. Each file in filters/ says in these words what a filter does. Internal to worker/denoise.
 #pragma once
 
+#include <deque>
 #include <string>
 #include <vector>
 
@@ -61,6 +62,8 @@ class Stage {
   Planes planes(int count, float first = 0);
   // Memory without any promise: `floats` of it.
   Planes scratch(std::size_t floats);
+  // Numbers that the kernels look up.
+  cl::Buffer table(std::vector<cl_int> values);
 
   // Runs a kernel with a work-item (on CPUs) per row of `over`, its height rounded up to a multiple of
   // `step`. Arguments are set in order; a Layout counts as three, a region as four.
@@ -99,6 +102,7 @@ class Stage {
   cl::Buffer input_;
   Image result_;
   cl::Buffer output_;
+  std::deque<std::vector<cl_int>> tables_;  // borrowed by the device
   int slots_ = 0;
   double floats_ = 0;  // of workspace in use
 };

@@ -32,6 +32,12 @@ const std::vector<FilterCase>& filter_cases() {
       // none are, but of one of them turned. Where light spans 60 decades, errors beyond 1e34 are that.
       {.text = "sbf", .extreme = 0, .slow = true},
       {.text = "sbf:filters=4,smoothing=2,unfiltered=yes", .extreme = 0, .turns = false},
+      // Boxes so small that a picture takes no minutes; rpf_test.cpp has the paper's.
+      {.text = "rpf:box1=5,box2=3,box3=3,box4=3,diameter=20",
+       .relative = 1e-3,
+       .extreme = 0,
+       .turns = false,
+       .slow = true},
       // Albedos and normals are stored in units of their sigmas: what is rounded off some tens of them is
       // worth 1e-4 of the smallest weights, which decide where the only neighbour is a firefly. A test of
       // means whose sides differ by less than their rounding may fall out either way; of these inputs none
