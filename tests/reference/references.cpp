@@ -9,6 +9,7 @@
 #include "tests/reference/bmfr.h"
 #include "tests/reference/guided.h"
 #include "tests/reference/nlm.h"
+#include "tests/reference/rhf.h"
 #include "tests/reference/rpf.h"
 #include "tests/reference/sbf.h"
 #include "tests/reference/separable.h"
@@ -28,6 +29,7 @@ Image filtered(const FilterPlan& plan, const Image& input) {
       {"gaussian", gaussian},
       {"guided", guided},
       {"nlm", nlm},
+      {"rhf", rhf},
       {"rpf", rpf},
       {"sbf", sbf},
       {"statmc", statmc},

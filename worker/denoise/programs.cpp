@@ -7,9 +7,20 @@ namespace tessera {
 
 const Program& program_of(std::string_view filter) {
   static const Program all[]{
-      atrous_program(),   bilateral_program(),   bmfr_program(), box_program(), cross_bilateral_program(),
-      gaussian_program(), guided_program(),      nlm_program(),  rpf_program(), sbf_program(),
-      statmc_program(),   sure_atrous_program(), svgf_program(),
+      atrous_program(),
+      bilateral_program(),
+      bmfr_program(),
+      box_program(),
+      cross_bilateral_program(),
+      gaussian_program(),
+      guided_program(),
+      nlm_program(),
+      rhf_program(),
+      rpf_program(),
+      sbf_program(),
+      statmc_program(),
+      sure_atrous_program(),
+      svgf_program(),
   };
   for (const Program& p : all)
     if (p.name == filter) return p;
