@@ -8,59 +8,25 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "cli/compare_files.h"
+#include "cli/compare_report.h"
 #include "core/error.h"
-#include "core/exr.h"
 #include "core/job.h"
 #include "core/png.h"
 #include "core/quality/metrics.h"
+#include "core/quality/temporal.h"
+#include "core/sequence.h"
 
 namespace tessera {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr std::string_view kTileSizes = "N or WxH, 1 to 65536 pixels";
 
-std::string text(const Region& r) {
-  return fmt::format("{} x {} pixels at ({}, {})", r.width(), r.height(), r.x0, r.y0);
-}
-
-// The three planes `layer`R, `layer`G, `layer`B, unless one of them is missing.
-std::optional<Image> layer_of(const ExrImage& image, std::string_view layer) {
-  Image rgb(image.pixels.region(), 3);
-  for (int c = 0; c < 3; ++c) {
-    const int plane = image.plane(fmt::format("{}{}", layer, "RGB"[c]));
-    if (plane < 0) return std::nullopt;
-    std::ranges::copy(image.pixels.plane(plane), rgb.plane(c).begin());
-  }
-  return rgb;
-}
-
-Image rgb_of(const std::filesystem::path& file, const ExrImage& image) {
-  if (auto rgb = layer_of(image, "")) return *std::move(rgb);
-  throw InputError(file.string(), "has not all of the channels R, G and B", "files with R, G and B");
-}
-
-// The relMSE that is due to the reference's own noise, if it says how noisy its pixels are.
-std::optional<double> noise_of(const ExrImage& reference, const Image& r) {
-  const std::optional<Image> variance = layer_of(reference, "variance.");
-  if (!variance) return std::nullopt;
-  double sum = 0;
-  for (std::size_t i = 0; i < r.data().size(); ++i)
-    sum += variance->data()[i] / (double(r.data()[i]) * r.data()[i] + kRelMseEpsilon);
-  return sum / static_cast<double>(r.data().size());
-}
-
-void write_sheet(const CompareOptions& options, const ExrImage& image, const Image& x, const Image& r) {
-  std::vector<Image> images;
-  if (auto noisy = layer_of(image, "noisy.")) images.push_back(*std::move(noisy));
-  images.push_back(x);
-  images.push_back(r);
-  write_png(options.sheet, side_by_side(images), options.exposure);
-}
-
-Size tile_of(const CompareOptions& options, const ExrImage& image) {
+Size tile_of(const CompareOptions& options, const fs::path& file, const ExrImage& image) {
   const auto checked = [](std::string_view where, const std::string& size) {
     const std::optional<Size> tile = parse_tile_size(size);
     if (!tile) throw InputError(where, fmt::format("'{}' is no tile size", size), kTileSizes);
@@ -70,76 +36,153 @@ Size tile_of(const CompareOptions& options, const ExrImage& image) {
   const auto written = image.metadata.find("tessera/tile");
   if (written == image.metadata.end()) return {256, 256};
   const auto* size = std::get_if<std::string>(&written->second);
-  return checked(options.image.string() + ": tessera/tile", size ? *size : "a number");
+  return checked(file.string() + ": tessera/tile", size ? *size : "a number");
 }
 
-std::int64_t broken_pixels(const Image& image) {
-  std::int64_t count = 0;
-  for (std::size_t i = 0; i < image.plane(0).size(); ++i)
-    count += !std::isfinite(image.plane(0)[i]) || !std::isfinite(image.plane(1)[i]) ||
-             !std::isfinite(image.plane(2)[i]);
-  return count;
+FileFacts facts_of(const ExrImage& file, const Image& rgb) {
+  FileFacts facts;
+  for (const char* name : {"samples", "seed", "filter"})
+    if (const auto at = file.metadata.find(fmt::format("tessera/{}", name)); at != file.metadata.end())
+      facts.origin[name] = at->second;
+  for (std::size_t i = 0; i < rgb.plane(0).size(); ++i)
+    facts.not_finite +=
+        !std::isfinite(rgb.plane(0)[i]) || !std::isfinite(rgb.plane(1)[i]) || !std::isfinite(rgb.plane(2)[i]);
+  return facts;
+}
+
+// The relMSE that is due to the reference's own noise, if it says how noisy its pixels are.
+std::optional<Figure> noise_of(const ExrImage& reference, const Image& r) {
+  const std::optional<Image> variance = layer_of(reference, "variance.");
+  if (!variance) return std::nullopt;
+  double sum = 0;
+  for (std::size_t i = 0; i < r.data().size(); ++i)
+    sum += variance->data()[i] / (double(r.data()[i]) * r.data()[i] + kRelMseEpsilon);
+  return Figure{"reference_noise", "of it reference", sum / static_cast<double>(r.data().size()),
+                "linear",          std::nullopt,      "the reference's own noise, by its variance layer"};
 }
 
 // A round number at or above the error that only 1 % of the pixels exceed; 0 if that is 0.
-float scale_of(const Image& errors) {
-  std::vector<float> values;
-  for (float v : errors.plane(0))
-    if (std::isfinite(v)) values.push_back(v);
-  if (values.empty()) return 0;
-  const auto top = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * 99 / 100);
-  std::nth_element(values.begin(), top, values.end());
-  if (*top <= 0) return 0;
-  const double power = std::pow(10.0, std::floor(std::log10(*top)));
+float round_scale(ErrorMap errors) {
+  std::erase_if(errors.values, [](double v) { return !std::isfinite(v); });
+  const double top = percentile(errors, 0.99);
+  if (!(top > 0)) return 0;
+  const double power = std::pow(10.0, std::floor(std::log10(top)));
   for (const double step : {1.0, 2.0, 5.0})
-    if (step * power >= *top) return static_cast<float>(step * power);
+    if (step * power >= top) return static_cast<float>(step * power);
   return static_cast<float>(10 * power);
 }
 
-struct Comparison {
-  Region region;
-  Size tile;
-  double rel_mse = 0, rel_mse_trimmed = 0, rmse = 0, ssim = 0, seam = 0;
-  float exposure = 0;
-  std::int64_t broken_image = 0, broken_reference = 0;  // pixels that are not finite
-  std::optional<float> heat_map_scale;
-  std::optional<double> reference_noise;  // relMSE
+// What was asked for, checked, and what the first frame decides for all.
+class Comparer {
+ public:
+  explicit Comparer(const CompareOptions& options)
+      : options_(options), pairs_(frame_pairs(options.image, options.reference, options.frames)) {
+    for (const std::string& name : options.metrics) choose(metric_named(name, "--metrics", false));
+    if (options.metrics.empty())
+      for (const Metric& m : metrics()) choose(m);
+    for (const std::string& name : options.cells) choose(metric_named(name, "--cells", true));
+    for (const auto& [name, file] : options.maps) {
+      choose(metric_named(name, "--map", true));
+      require_pattern("--map", file);
+    }
+    if (!options.sheet.empty()) require_pattern("--sheet", options.sheet);
+  }
+
+  bool sequence() const { return pairs_.sequence; }
+  SequenceReport run();
+
+ private:
+  void choose(const Metric& m) {
+    if (std::ranges::find(chosen_, &m) == chosen_.end()) chosen_.push_back(&m);
+  }
+  void require_pattern(std::string_view option, const fs::path& file) const {
+    if (sequence() && !is_pattern(file))
+      throw InputError(fmt::format("{}: {}", option, file.string()), "would be written by every frame",
+                       "with a sequence a pattern such as name.####.png");
+  }
+  fs::path output(const fs::path& file, int frame) const { return sequence() ? file_of(file, frame) : file; }
+  FrameReport judge(const FramePair&);
+  void judge_by(const Metric&, const Subjects&, FrameReport&);
+  void write_map(std::string_view metric, const ErrorMap&, bool up_to_one, const fs::path&, FrameReport&);
+  void write_sheet(const ExrImage& image, const Subjects&, const fs::path&) const;
+
+  const CompareOptions& options_;
+  FramePairs pairs_;
+  std::vector<const Metric*> chosen_;
+  std::map<std::string, float, std::less<>> scales_;  // of maps, by metric
+  std::optional<Region> first_;                       // region of the first frame
+  TemporalError temporal_;
 };
 
-nlohmann::ordered_json json(const Comparison& c) {
-  nlohmann::ordered_json j;  // numbers that are not finite become null
-  j["width"] = c.region.width();
-  j["height"] = c.region.height();
-  j["relmse"] = c.rel_mse;
-  j["relmse_trimmed"] = c.rel_mse_trimmed;
-  j["rmse"] = c.rmse;
-  j["ssim"] = c.ssim;
-  j["exposure"] = c.exposure;
-  j["seam"] = c.seam;
-  j["tile"] = {c.tile.width, c.tile.height};
-  j["not_finite"] = {{"image", c.broken_image}, {"reference", c.broken_reference}};
-  if (c.reference_noise) j["reference_noise"] = *c.reference_noise;
-  if (c.heat_map_scale) j["heat_map_scale"] = *c.heat_map_scale;
-  return j;
+void Comparer::write_map(std::string_view metric, const ErrorMap& errors, bool up_to_one,
+                         const fs::path& file, FrameReport& report) {
+  if (errors.region.empty())
+    throw InputError(file.string(), fmt::format("{} has no pixels in so small an image", metric),
+                     "larger images");
+  const auto [scale, is_new] = scales_.try_emplace(std::string(metric), 1.0f);
+  if (options_.map_scale > 0)
+    scale->second = static_cast<float>(options_.map_scale);
+  else if (is_new && !up_to_one)
+    scale->second = round_scale(errors);
+  write_png(file, heat_map(image_of(errors), 0.0f, scale->second));
+  report.maps.push_back({std::string(metric), file, scale->second});
 }
 
-void write_table(std::ostream& out, const Comparison& c, const CompareOptions& options) {
-  const auto row = [&](std::string_view name, double value, const std::string& remark) {
-    out << fmt::format("{:<15} {:>12.6g}  {}\n", name, value, remark);
+void Comparer::write_sheet(const ExrImage& image, const Subjects& s, const fs::path& file) const {
+  std::vector<Image> images;
+  if (auto noisy = layer_of(image, "noisy.")) images.push_back(*std::move(noisy));
+  images.push_back(s.x);
+  images.push_back(s.r);
+  write_png(file, side_by_side(images), options_.display.exposure);
+}
+
+void Comparer::judge_by(const Metric& m, const Subjects& s, FrameReport& report) {
+  Judgement j = m.judge(s);
+  if (std::ranges::find(options_.cells, m.name) != options_.cells.end())
+    report.cells.push_back({std::string(m.name), j.figures.front(), by_cells(j.errors)});
+  for (const auto& [name, file] : options_.maps)
+    if (name == m.name) write_map(m.name, j.errors, m.up_to_one, output(file, report.frame), report);
+  std::ranges::move(j.figures, std::back_inserter(report.figures));
+}
+
+FrameReport Comparer::judge(const FramePair& pair) {
+  const ExrImage image = read_exr(pair.image), reference = read_exr(pair.reference);
+  const Image x = rgb_of(pair.image, image), r = rgb_of(pair.reference, reference);
+  require_same_region(pair.image, x.region(), pair.reference, r.region());
+  if (!first_) first_ = x.region();
+  require_same_region(pair.image, x.region(), pairs_.pairs.front().image, *first_);
+  const Subjects s(x, r, options_.display, options_.pixels_per_degree, tile_of(options_, pair.image, image));
+  FrameReport report{.frame = pair.frame, .region = x.region(), .tile = s.tile, .display = s.display};
+  for (const Metric* m : chosen_) {
+    judge_by(*m, s, report);
+    if (m->name != "relmse") continue;
+    if (auto noise = noise_of(reference, r)) report.figures.push_back(*std::move(noise));
+  }
+  report.image = facts_of(image, x);
+  report.reference = facts_of(reference, r);
+  if (!options_.sheet.empty()) write_sheet(image, s, output(options_.sheet, pair.frame));
+  if (const auto step = sequence() ? temporal_.add(s.shown_x, s.shown_r) : std::nullopt) {
+    const auto add = [&](const char* key, const char* label, double value) {
+      report.figures.push_back(displayed_figure(key, label, value, s.display, "luma, from the frame before"));
+    };
+    add("temporal", "temporal error", step->error);
+    add("temporal_reference", "  of reference", step->reference_error);
+    add("temporal_residual", "temporal residual", step->residual);
+  }
+  return report;
+}
+
+SequenceReport Comparer::run() {
+  SequenceReport report;
+  for (const FramePair& pair : pairs_.pairs) report.frames.push_back(judge(pair));
+  if (!sequence()) return report;
+  const auto add = [&](const char* key, const char* label, double value, const char* remark) {
+    report.over_frames.push_back(displayed_figure(key, label, value, options_.display, remark));
   };
-  row("relMSE", c.rel_mse, "linear, epsilon 0.01");
-  row("relMSE trimmed", c.rel_mse_trimmed, "without the worst 0.1 % of the pixels");
-  if (c.reference_noise)
-    row("of it reference", *c.reference_noise, "the reference's own noise, by its variance layer");
-  row("RMSE", c.rmse, "linear");
-  row("SSIM", c.ssim, fmt::format("sRGB, exposure {:+g}", c.exposure));
-  row("seam", c.seam, fmt::format("at tiles of {} x {}; 1 = none", c.tile.width, c.tile.height));
-  if (c.broken_image + c.broken_reference > 0)
-    out << fmt::format("not finite: {} pixels of the image, {} of the reference\n", c.broken_image,
-                       c.broken_reference);
-  if (c.heat_map_scale)
-    out << fmt::format("heat map of relMSE per pixel, 0 (black) to {:g} (yellow): {}\n", *c.heat_map_scale,
-                       options.heat_map.string());
+  add("temporal_relative", "dTE", temporal_.relative_error(), "|TE - TE of reference| / TE of reference");
+  add("deviation", "deviation", temporal_.deviation(), "luma, over the frames: noise if the scene is static");
+  add("deviation_reference", "  of reference", temporal_.reference_deviation(), "the same");
+  return report;
 }
 
 }  // namespace
@@ -160,44 +203,14 @@ std::optional<Size> parse_tile_size(std::string_view text) {
   return fits(size.width) && fits(size.height) ? std::optional(size) : std::nullopt;
 }
 
-void describe(CLI::App& app, CompareOptions& options) {
-  app.add_option("image", options.image, "EXR to judge")->required();
-  app.add_option("reference", options.reference, "EXR to compare it with")->required();
-  app.add_option("--tile-size", options.tile_size,
-                 "Tiles whose seams are looked for, N or WxH (default: what the image says, else 256)");
-  app.add_option("--exposure", options.exposure, "Stops added for the display metrics")
-      ->check(CLI::Range(-100.0f, 100.0f))
-      ->capture_default_str();
-  app.add_option("--heat-map", options.heat_map, "Write a PNG of the error per pixel");
-  app.add_option("--sheet", options.sheet, "Write a PNG of noisy, image and reference beside each other");
-  app.add_flag("--json", options.json, "Print a JSON object");
-}
-
 int compare(const CompareOptions& options, std::ostream& out) {
-  const ExrImage image = read_exr(options.image), reference = read_exr(options.reference);
-  const Image x = rgb_of(options.image, image), r = rgb_of(options.reference, reference);
-  if (x.region() != r.region())
-    throw InputError(options.image.string(),
-                     fmt::format("covers {}, but {} covers {}", text(x.region()), options.reference.string(),
-                                 text(r.region())),
-                     "images of the same pixels");
-  Comparison c{x.region(), tile_of(options, image), rel_mse(x, r), rel_mse_trimmed(x, r), rmse(x, r)};
-  c.ssim = ssim(x, r, options.exposure);
-  c.seam = seam(x, r, c.tile);
-  c.exposure = options.exposure;
-  c.reference_noise = noise_of(reference, r);
-  c.broken_image = broken_pixels(x);
-  c.broken_reference = broken_pixels(r);
-  if (!options.heat_map.empty()) {
-    const Image errors = rel_mse_map(x, r);
-    c.heat_map_scale = scale_of(errors);
-    write_png(options.heat_map, heat_map(errors, 0.0f, *c.heat_map_scale));
-  }
-  if (!options.sheet.empty()) write_sheet(options, image, x, r);
-  if (options.json)
-    out << json(c).dump(2) << '\n';
+  Comparer comparer(options);
+  const SequenceReport report = comparer.run();
+  const Format format = options.json ? Format::json : options.csv ? Format::csv : Format::text;
+  if (comparer.sequence())
+    write(out, report, format);
   else
-    write_table(out, c, options);
+    write(out, report.frames.front(), format);
   return static_cast<int>(ExitCode::done);
 }
 

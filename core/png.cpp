@@ -12,7 +12,7 @@
 
 #include "core/error.h"
 #include "core/pending_file.h"
-#include "core/quality/metrics.h"
+#include "core/quality/display.h"
 
 namespace tessera {
 namespace {
@@ -56,7 +56,7 @@ Image without_alpha(const Image& image) {
 }
 
 std::vector<unsigned char> bytes_of(const Image& image, int channels, float exposure) {
-  const Image shown = displayed(without_alpha(image), exposure);
+  const Image shown = displayed(without_alpha(image), {.exposure = exposure});
   const std::size_t area = shown.plane(0).size(), n = static_cast<std::size_t>(channels);
   std::vector<unsigned char> bytes(area * n);
   for (int c = 0; c < 3; ++c)

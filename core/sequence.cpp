@@ -104,6 +104,18 @@ std::vector<int> parse_frames(std::string_view text) {
   return frames;
 }
 
+std::string ranges_of(const std::vector<int>& frames) {
+  std::vector<std::string> ranges;
+  for (std::size_t i = 0; i < frames.size();) {
+    std::size_t end = i + 1;
+    while (end < frames.size() && frames[end] == frames[end - 1] + 1) ++end;
+    ranges.push_back(end == i + 1 ? fmt::format("{}", frames[i])
+                                  : fmt::format("{}-{}", frames[i], frames[end - 1]));
+    i = end;
+  }
+  return fmt::format("{}", fmt::join(ranges, ", "));
+}
+
 bool is_pattern(const std::filesystem::path& file) { return place_in(file.filename().native()).has_value(); }
 
 std::filesystem::path file_of(const std::filesystem::path& pattern, int frame) {

@@ -15,6 +15,9 @@ inline constexpr int kMaxFrames = 1'000'000;  // of one range
 // -999999 to 999999; "-5--1" counts from -5 to -1. Throws Error(bad_usage) that says where it goes wrong.
 std::vector<int> parse_frames(std::string_view text);
 
+// "1-3, 7": ascending numbers for people.
+std::string ranges_of(const std::vector<int>& frames);
+
 // True for "shot.####.exr" and "shot.%04d.exr": a name with one place for a frame number.
 bool is_pattern(const std::filesystem::path& file);
 

@@ -66,5 +66,11 @@ TEST(Patterns, FindTheFramesThatAreThere) {
   EXPECT_THROW(frames_there(folder / "no such folder" / "a.#.exr"), Error);
 }
 
+TEST(Frames, AreToldAsRanges) {
+  EXPECT_EQ(ranges_of({}), "");
+  EXPECT_EQ(ranges_of({-3}), "-3");
+  EXPECT_EQ(ranges_of({1, 2, 3, 7, 9, 10}), "1-3, 7, 9-10");
+}
+
 }  // namespace
 }  // namespace tessera
