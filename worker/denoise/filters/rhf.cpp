@@ -57,6 +57,6 @@ void run(Stage& s) {
 
 }  // namespace
 
-Program rhf_program() { return {"rhf", {kernels::rhf_cl}, options, run}; }
+Program rhf_program() { return {"rhf", {kernels::rhf_cl, kernels::rhf_average_cl}, options, run}; }
 
 }  // namespace tessera
