@@ -38,6 +38,7 @@ constexpr std::string_view kTexts[] = {
     "rhf:average=patches,bins=shared",
     "rhf:patch=0",
     "rpf",
+    "rdfc",
     "sbf",
     "statmc",
     "sure-atrous",

@@ -17,6 +17,7 @@ FilterDescription describe_gaussian();
 FilterDescription describe_statmc();
 FilterDescription describe_bmfr();
 FilterDescription describe_rhf();
+FilterDescription describe_rdfc();
 FilterDescription describe_sbf();
 FilterDescription describe_guided();
 FilterDescription describe_rpf();

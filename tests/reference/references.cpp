@@ -9,6 +9,7 @@
 #include "tests/reference/bmfr.h"
 #include "tests/reference/guided.h"
 #include "tests/reference/nlm.h"
+#include "tests/reference/rdfc.h"
 #include "tests/reference/rhf.h"
 #include "tests/reference/rpf.h"
 #include "tests/reference/sbf.h"
@@ -31,6 +32,7 @@ Image filtered(const FilterPlan& plan, const Image& input) {
       {"nlm", nlm},
       {"rhf", rhf},
       {"rpf", rpf},
+      {"rdfc", rdfc},
       {"sbf", sbf},
       {"statmc", statmc},
       {"sure-atrous", sure_atrous},

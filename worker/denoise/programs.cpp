@@ -17,6 +17,7 @@ const Program& program_of(std::string_view filter) {
       nlm_program(),
       rhf_program(),
       rpf_program(),
+      rdfc_program(),
       sbf_program(),
       statmc_program(),
       sure_atrous_program(),

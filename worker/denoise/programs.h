@@ -23,6 +23,7 @@ Program gaussian_program();
 Program guided_program();
 Program nlm_program();
 Program rhf_program();
+Program rdfc_program();
 Program sbf_program();
 Program rpf_program();
 Program statmc_program();

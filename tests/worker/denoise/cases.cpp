@@ -71,6 +71,13 @@ const std::vector<FilterCase>& filter_cases() {
       {.text = "nlm:cut=soft,radius=3,patch=2", .parts_sky = false, .slow = true},
       {.text = "nlm:mode=prefilter", .parts_sky = false, .slow = true},
       {.text = "nlm:mode=prefilter,patch_mode=exp_of_mean", .parts_sky = false, .slow = true},
+      // Features count from 0 to 1: prefiltered, they are rounded, and a difference of 0.03 stops the filter.
+      // Where two filters are as good as each other, rounding decides which is chosen, and neighbours take a
+      // share of that.
+      {.text = "rdfc:depth_scale=10", .relative = 1e-2, .slow = true},
+      {.text = "rdfc:depth_scale=10,take=small_patches", .relative = 2e-4, .slow = true},
+      {.text = "rdfc:depth_scale=10,take=large_patches", .relative = 2e-4, .slow = true},
+      {.text = "rdfc:depth_scale=10,tau_features=0.01,take=features", .extreme = 0.1, .slow = true},
       {.text = "svgf"},
       {.text = "svgf:variance=spatial", .extreme = 0},
   };

@@ -39,7 +39,8 @@ class AgainstReference : public OnDevice {
   void compare_variant(std::string_view text) {
     const FilterPlan plan = parse_filter(text), standard = parse_filter(plan.name);
     const auto& cases = filter_cases();
-    const auto plain = std::ranges::find(cases, plan.name, &FilterCase::text);
+    const auto plain = std::ranges::find_if(
+        cases, [&](const FilterCase& c) { return parse_filter(c.text).name == plan.name; });
     ASSERT_NE(plain, cases.end()) << text;
     const Region region{-5, 3, 32, 32};
     compare(*plain, plan, region);
@@ -122,6 +123,12 @@ TEST_F(AgainstReference, ParametersReachTheKernels) {
       "nlm:mode=prefilter,radius=2,patch=1",
       "nlm:mode=prefilter,patch_mode=exp_of_mean,radius=2,k=1",
       "nlm:mode=prefilter,epsilon=0.01",
+      "rdfc:depth_scale=10,window=3",
+      "rdfc:depth_scale=10,k_c=1",
+      "rdfc:depth_scale=10,k_f=2",
+      "rdfc:depth_scale=10,tau=0.1",
+      "rdfc:depth_scale=10,tau_features=0.1",
+      "rdfc:depth_scale=20",
       "svgf:levels=2",
       "svgf:sigma_z=3",
       "svgf:sigma_n=1",

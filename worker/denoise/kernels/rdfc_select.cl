@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which of the three candidates is taken where (Rousselle et al. 2013, section 5). Behind rdfc.cl.
+
+// Errors smoothed by the colours' patches; the least is marked. The first of equal ones.
+kernel void rdfc_errors(global const float* restrict base, global float* restrict errors, int stride, long plane,
+                        long origin, int x0, int y0, int x1, int y1, int rows, global float* restrict scratch) {
+  if (get_global_id(0) > 0) return;
+  const Chunk c = chunk_of(rows, stride, origin, x0, y0, x1, y1);
+  const Scratch s = scratch_of(scratch, rows, OWN_MAPS);
+  const Guide g = {base, base + plane, base + 4 * plane, plane, stride, 3, 1.0f, 1e-10f, INFINITY};
+  global float* sums = s.rest + chunk_size(rows);
+  smooth(g, c, s, rows, ERROR_WINDOW, 3, 3, errors, sums);
+  for (int y = 0; y < c.height; ++y)
+    for (int x = 0; x < c.width; x += VW) {
+      const size_t p = c.origin + (size_t)y * stride + x;
+      global const float* sum = sums + (size_t)y * CHUNK_WIDTH + x;
+      const vf scale = 1.0f / fetch(sum);
+      vf error[3];
+      for (int k = 0; k < 3; ++k)
+        error[k] = fma(fetch(sum + (1 + k) * chunk_size(rows)), scale, fetch(errors + k * plane + p));
+      const vi valid = fetch(base + p) > (vf)0.0f;
+      const vi second = valid & (error[1] < error[0]) & (error[1] <= error[2]);
+      const vi third = valid & (error[2] < error[0]) & (error[2] < error[1]);
+      put(second ? (vf)1.0f : (vf)0.0f, errors + 4 * plane + p);
+      put(third ? (vf)1.0f : (vf)0.0f, errors + 5 * plane + p);
+    }
+}
+
+// The marks smoothed likewise are the candidates' shares. The result replaces the first candidate.
+kernel void rdfc_blend(global const float* restrict base, global const float* restrict errors,
+                       global float* restrict candidates, int stride, long plane, long origin, int x0, int y0, int x1,
+                       int y1, int rows, global float* restrict scratch) {
+  if (get_global_id(0) > 0) return;
+  const Chunk c = chunk_of(rows, stride, origin, x0, y0, x1, y1);
+  const Scratch s = scratch_of(scratch, rows, OWN_MAPS);
+  const Guide g = {base, base + plane, base + 4 * plane, plane, stride, 3, 1.0f, 1e-10f, INFINITY};
+  global float* sums = s.rest + chunk_size(rows);
+  smooth(g, c, s, rows, SELECTION_WINDOW, 3, 2, errors + 4 * plane, sums);
+  for (int y = 0; y < c.height; ++y)
+    for (int x = 0; x < c.width; x += VW) {
+      const size_t p = c.origin + (size_t)y * stride + x;
+      global const float* sum = sums + (size_t)y * CHUNK_WIDTH + x;
+      const vf scale = 1.0f / fetch(sum);
+      const vf second = fma(fetch(sum + chunk_size(rows)), scale, fetch(errors + 4 * plane + p));
+      const vf third = fma(fetch(sum + 2 * chunk_size(rows)), scale, fetch(errors + 5 * plane + p));
+      for (int k = 0; k < 3; ++k) {
+        global float* first = candidates + k * plane + p;
+        const vf v = fetch(first);
+        put(fma(third, fetch(first + 6 * plane) - v, fma(second, fetch(first + 3 * plane) - v, v)), first);
+      }
+    }
+}
+
+// first: the plane of `filtered` with which the result begins. output: RGB over the pixels [x0, x1) x [y0, y1) of the outer region. Invalid pixels keep their colour.
+kernel void finish(global const float* restrict input, int w, int h, global const float* restrict base,
+                   global const float* restrict filtered, int stride, long plane, long origin, int x0, int y0, int x1,
+                   int y1, global float* restrict output, int first) {
+  const int row = get_global_id(1), y = y0 + row;
+  const size_t area = (size_t)w * h, out_area = (size_t)(x1 - x0) * (y1 - y0);
+  if (y >= y1) return;
+  FOR_EACH_VECTOR(x, x0, x1) {
+    const int n = x1 - x;
+    const size_t p = origin + (size_t)y * stride + x;
+    const vi valid = fetch(base + p) > (vf)0.0f;
+    for (int c = 0; c < 3; ++c) {
+      const vf color = load_first(input + (IN_COLOR + c) * area + (size_t)y * w + x, n, 0.0f);
+      const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
+      store_first(valid ? fetch(filtered + (first + c) * plane + p) : kept,
+                  output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), n);
+    }
+  }
+}
