@@ -17,6 +17,9 @@ std::string domain_of(const Figure& f) {
   return f.exposure ? fmt::format("{}, exposure {:+g}", f.domain, *f.exposure) : f.domain;
 }
 
+// A NaN's sign means nothing, but would be printed.
+double unsigned_nan(double v) { return std::isnan(v) ? std::abs(v) : v; }
+
 std::string beside(const Figure& f) {
   return f.remark.empty() ? domain_of(f) : fmt::format("{}; {}", domain_of(f), f.remark);
 }
@@ -28,7 +31,8 @@ void write_cells(std::ostream& out, const CellTable& table) {
                      domain_of(table.of), "x", "y", "width", "height", "mean", "99 %", "worst 8 x 8");
   for (const CellErrors& c : table.cells)
     out << fmt::format("{:>7}{:>7}{:>7}{:>7}{:>13.6g}{:>13.6g}{:>13.6g}\n", c.cell.x0, c.cell.y0,
-                       c.cell.width(), c.cell.height(), c.mean, c.percentile_99, c.worst_block);
+                       c.cell.width(), c.cell.height(), unsigned_nan(c.mean), unsigned_nan(c.percentile_99),
+                       unsigned_nan(c.worst_block));
 }
 
 // What is said of a frame below its figures.
@@ -43,7 +47,8 @@ void write_remarks(std::ostream& out, const FrameReport& r) {
 }
 
 void write_text(std::ostream& out, const FrameReport& r) {
-  for (const Figure& f : r.figures) out << fmt::format("{:<18} {:>12.6g}  {}\n", f.label, f.value, beside(f));
+  for (const Figure& f : r.figures)
+    out << fmt::format("{:<18} {:>12.6g}  {}\n", f.label, unsigned_nan(f.value), beside(f));
   write_remarks(out, r);
 }
 
@@ -58,7 +63,7 @@ void write_frame_table(std::ostream& out, const SequenceReport& s, const std::ve
     for (const Summary& c : columns) {
       const auto f = std::ranges::find(frame.figures, c.figure.key, &Figure::key);
       out << (f == frame.figures.end() ? std::string(width(c), ' ')
-                                       : fmt::format("{:>{}.6g}", f->value, width(c)));
+                                       : fmt::format("{:>{}.6g}", unsigned_nan(f->value), width(c)));
     }
   }
   out << '\n';
@@ -69,10 +74,11 @@ void write_text(std::ostream& out, const SequenceReport& s) {
   out << fmt::format("{:<18} {:>12} {:>12} {:>7}\n", fmt::format("{} frames", s.frames.size()), "mean",
                      "worst", "frame");
   for (const Summary& one : all)
-    out << fmt::format("{:<18} {:>12.6g} {:>12.6g} {:>7}  {}\n", one.figure.label, one.mean, one.worst,
-                       one.worst_frame, beside(one.figure));
+    out << fmt::format("{:<18} {:>12.6g} {:>12.6g} {:>7}  {}\n", one.figure.label, unsigned_nan(one.mean),
+                       unsigned_nan(one.worst), one.worst_frame, beside(one.figure));
   for (const Figure& f : s.over_frames)
-    out << fmt::format("{:<18} {:>12.6g} {:>12} {:>7}  {}\n", f.label, f.value, "", "", beside(f));
+    out << fmt::format("{:<18} {:>12.6g} {:>12} {:>7}  {}\n", f.label, unsigned_nan(f.value), "", "",
+                       beside(f));
   write_frame_table(out, s, all);
   for (const FrameReport& frame : s.frames) {
     if (frame.cells.empty() && frame.maps.empty() && frame.image.not_finite + frame.reference.not_finite == 0)
@@ -167,7 +173,7 @@ constexpr std::string_view kCsvHead =
 void write_row(std::ostream& out, std::string_view scope, const std::string& frame, const Region& r,
                std::string_view metric, std::string_view statistic, double value, const Figure& of) {
   out << fmt::format("{},{},{},{},{},{},{},{},{:.9g},{},{},\"{}\"\n", scope, frame, r.x0, r.y0, r.x1, r.y1,
-                     metric, statistic, value, of.domain,
+                     metric, statistic, unsigned_nan(value), of.domain,
                      of.exposure ? fmt::format("{:g}", *of.exposure) : "", of.remark);
 }
 
