@@ -13,6 +13,7 @@ FilterDescription describe_atrous();
 FilterDescription describe_bilateral();
 FilterDescription describe_box();
 FilterDescription describe_cross_bilateral();
+FilterDescription describe_ddf();
 FilterDescription describe_gaussian();
 FilterDescription describe_statmc();
 FilterDescription describe_bmfr();

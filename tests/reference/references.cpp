@@ -7,6 +7,7 @@
 #include "tests/reference/atrous.h"
 #include "tests/reference/bilateral.h"
 #include "tests/reference/bmfr.h"
+#include "tests/reference/ddf.h"
 #include "tests/reference/guided.h"
 #include "tests/reference/nlm.h"
 #include "tests/reference/rdfc.h"
@@ -27,6 +28,7 @@ Image filtered(const FilterPlan& plan, const Image& input) {
       {"bmfr", bmfr},
       {"box", box},
       {"cross-bilateral", cross_bilateral},
+      {"ddf", ddf},
       {"gaussian", gaussian},
       {"guided", guided},
       {"nlm", nlm},

@@ -19,6 +19,7 @@ Program bilateral_program();
 Program bmfr_program();
 Program box_program();
 Program cross_bilateral_program();
+Program ddf_program();
 Program gaussian_program();
 Program guided_program();
 Program nlm_program();

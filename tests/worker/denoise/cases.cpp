@@ -21,6 +21,11 @@ const std::vector<FilterCase>& filter_cases() {
       {.text = "bilateral", .parts_sky = false},
       {.text = "box", .parts_sky = false},
       {.text = "cross-bilateral"},
+      // Every weight errs by up to 1e-4: that of the only neighbour, a firefly, in the second place.
+      {.text = "ddf", .relative = 3e-4, .slow = true},
+      {.text = "ddf:direction=neighbours,kw=9", .relative = 3e-4, .slow = true},
+      {.text = "ddf:holes=on,kw=15", .relative = 3e-4, .slow = true},
+      {.text = "ddf:progressive=on,kw=9", .relative = 3e-4, .slow = true},
       {.text = "gaussian", .parts_sky = false},
       // Fits of up to 4096 pixels in single precision: rounding in the sums is as far below the ridge as that
       // is below them, 1e-4; the fitted light is a sum of terms of both signs.

@@ -71,6 +71,8 @@ TEST_F(Tiles, WithOnePixelLessHaloDiffer) {
       {"bmfr:block=8,frame=6"},
       {"box"},
       {"cross-bilateral:width=11"},
+      {"ddf:diameter=100"},
+      {"ddf:diameter=100,holes=on,kw=15"},
       {"gaussian:sigma=1.7"},
       {"guided"},
       {"guided:radius=3"},

@@ -26,7 +26,8 @@ vf weight_of(vf e) {
   p = fma(p, m, (vf)-0.00355613488f);
   p = fma(p, m, (vf)0.471027941f);
   p = fma(p, m, (vf)0.455461174f);
-  return as_vf((as_vi(p) & 0x007fffff) | (bits & 0x7f800000));
+  const int exponent = 0xff800000;
+  return as_vf((as_vi(p) & ~exponent) | (bits & exponent));
 }
 
 // Arguments of every kernel: the input over w x h pixels, the strips, the pixels [x0, x1) x [y0, y1) of the outer

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Data Driven Filter (van de Vlasakker 2013, section 6.2.3): a window over direct and indirect light, steered by
+// features, each of which counts the less the more it varies within the pixel that is filtered.
+//   strips: 0 depth (+infinity at invalid pixels), in tenths of the scene's diameter   1..3 normal   4..6 albedo
+//   7..9 texture2   10..12 direct   13..15 indirect, both scaled so that a weight's exponent falls by the squared
+//   differences   16..19 stops: by what the differences of the four features are to be multiplied for that
+//   20 NEIGHBOURS: what every pixel but the centre counts in indirect light
+//   20 or 21 PROGRESSIVE: by what the squared differences of light are to be multiplied
+
+#define DIRECT 10
+#define INDIRECT 13
+#define STOPS 16
+#define NEIGHBOURS 20
+#ifdef IN_BOUNCE_VARIANCE
+#define NOISE 21
+#else
+#define NOISE 20
+#endif
+
+// A stop is never 0: times the infinite distance of what is invalid it has to be infinite.
+#define LEAST_STOP 1e-18f
+
+// How much of a stop the variance of `channels` planes leaves.
+vf left_by_variance(global const float* variance, size_t area, int channels, int x, int w, vf samples, float scale,
+                    vi* valid) {
+  vf sum = 0.0f;
+  for (int c = 0; c < channels; ++c) {
+    const vf v = load_within(variance + c * area, x, w, 0.0f);
+    *valid &= ordinary(v);
+    sum += v;
+  }
+  const vf spread = sum * samples * scale;
+  return 1.0f - clamp(spread, (vf)0.0f, (vf)1.0f);
+}
+
+// units: scale of depth, direct light, indirect light; 1 / 8. stops: of depth, normal, albedo, texture2, the bounce's
+// direction, for no variance. scales: of their variances.
+kernel void prepare(WINDOW_INPUT, global float* restrict strips, WINDOW_REGION, float4 units, float8 stops,
+                    float8 scales) {
+  const int rows = y1 - y0 + 2 * RADIUS;
+  const StripRow s = strip_row(get_global_id(1), rows);
+  const int y = y0 - RADIUS + s.row;
+  const size_t area = (size_t)w * h;
+  const int planes[5] = {IN_N, IN_ALBEDO, IN_TEXTURE2, IN_DIRECT, IN_INDIRECT};
+  const float scale[5] = {1, 1, 1, units.y, units.z};
+  FOR_EACH_VECTOR(column, 0, PITCH) {
+    const int x = x0 + s.strip * STRIP - PAD + column;
+    global float* to = strips + strip_offset(s, rows) + column;
+    if (y < 0 || y >= h || x <= -VW || x >= w) {
+      store_outside(to, INFINITY);
+      continue;
+    }
+    global const float* in = input + (size_t)y * w;
+    const vf depth = load_within(in + IN_DEPTH * area, x, w, INFINITY);
+    const vf samples = load_within(in + IN_SAMPLES * area, x, w, 1.0f);
+    vi valid = ordinary(depth) & (depth < (vf)SKY) & ordinary(samples);
+    vf value[PLANES];
+    value[0] = depth * units.x;
+    for (int k = 0; k < 5; ++k)
+      for (int c = 0; c < 3; ++c) {
+        const vf v = load_within(in + (planes[k] + c) * area, x, w, 0.0f);
+        valid &= ordinary(v);
+        value[1 + 3 * k + c] = v * scale[k];
+      }
+    for (int c = 0; c < 3; ++c) valid &= ordinary(load_within(in + (IN_EMISSION + c) * area, x, w, 0.0f));
+#define LEFT(aov, channels, k) \
+  left_by_variance(in + IN_##aov##_VARIANCE * area, area, channels, x, w, samples, scales.s##k, &valid)
+    value[STOPS] = sqrt(LEFT(DEPTH, 1, 0)) * stops.s0;
+    value[STOPS + 1] = sqrt(LEFT(N, 3, 1)) * stops.s1;
+    value[STOPS + 2] = sqrt(LEFT(ALBEDO, 3, 2)) * stops.s2;
+    value[STOPS + 3] = sqrt(LEFT(TEXTURE2, 3, 3)) * stops.s3;
+    value[STOPS] = max(value[STOPS], (vf)LEAST_STOP);
+#ifdef IN_BOUNCE_VARIANCE
+    value[NEIGHBOURS] = exp2_of_negative(LEFT(BOUNCE, 3, 4) * -stops.s4);
+#endif
+#ifdef PROGRESSIVE
+    value[NOISE] = max(samples, (vf)1.0f) * units.w;
+#endif
+    for (int c = 0; c < PLANES; ++c) store(valid ? value[c] : (vf)(c == 0 ? INFINITY : 0.0f), to + c * PITCH);
+  }
+}
+
+// One kind of light: at the centre, and the weighted differences from it.
+typedef struct {
+  vf r, g, b, sum, red, green, blue;
+} Light;
+
+Light light_at(global const float* p) {
+  Light a;
+  a.r = load(p);
+  a.g = load(p + PITCH);
+  a.b = load(p + 2 * PITCH);
+  a.sum = a.red = a.green = a.blue = 0.0f;
+  return a;
+}
+
+Light gathered(Light a, global const float* q, vf exponent, vf noise) {
+  const vf r = load(q) - a.r, g = load(q + PITCH) - a.g, b = load(q + 2 * PITCH) - a.b;
+#ifdef PROGRESSIVE
+  exponent = fma(-noise, fma(r, r, fma(g, g, b * b)), exponent);
+#else
+  exponent = fma(-r, r, exponent);
+  exponent = fma(-g, g, exponent);
+  exponent = fma(-b, b, exponent);
+#endif
+  const vf weight = weight_of(exponent);
+  a.sum += weight;
+  a.red = fma(weight, r, a.red);
+  a.green = fma(weight, g, a.green);
+  a.blue = fma(weight, b, a.blue);
+  return a;
+}
+
+// The exponent less the squared difference of one plane; stop, stopped: what the difference is multiplied by, and
+// minus the centre times that.
+#define STOPPED(exponent, c, stop, stopped)                 \
+  {                                                         \
+    const vf d = fma(stop, load(q + (c) * PITCH), stopped); \
+    exponent = fma(-d, d, exponent);                        \
+  }
+
+// output: RGB over [x0, x1) x [y0, y1). Invalid pixels keep their light. unscale: 1 over the scales of direct and
+// indirect light.
+kernel void ddf(WINDOW_INPUT, global const float* restrict strips, WINDOW_REGION, float2 unscale,
+                global float* restrict output) {
+  const int rows = y1 - y0;
+  StripRow s = strip_row(get_global_id(1), rows);
+  const int y = y0 + s.row, first = s.strip * STRIP, columns = min(STRIP, x1 - x0 - first);
+  const size_t area = (size_t)w * h, out_area = (size_t)(x1 - x0) * rows;
+  global float* out = output + (size_t)s.row * (x1 - x0) + first;
+  s.row += RADIUS;
+  global const float* centres = strips + strip_offset(s, rows + 2 * RADIUS) + PAD;
+  FOR_EACH_VECTOR(column, 0, columns) {
+    global const float* p = centres + column;
+    vf stop[4], stopped[10];
+    for (int f = 0; f < 4; ++f) stop[f] = load(p + (STOPS + f) * PITCH);
+    stopped[0] = -load(p) * stop[0];
+    for (int c = 1; c < 10; ++c) stopped[c] = -load(p + c * PITCH) * stop[(c + 2) / 3];
+    vf noise = 1.0f;
+#ifdef PROGRESSIVE
+    noise = load(p + NOISE * PITCH);
+#endif
+    Light direct = light_at(p + DIRECT * PITCH), indirect = light_at(p + INDIRECT * PITCH);
+#pragma nounroll
+    for (int j = -RADIUS; j <= RADIUS; j += STEP) {
+      global const float* row = p + j * (PLANES * PITCH);
+#pragma unroll 2
+      for (int i = -RADIUS; i <= RADIUS; i += STEP) {
+        global const float* q = row + i;
+        vf exponent = OF_ONE;
+        STOPPED(exponent, 0, stop[0], stopped[0])
+        STOPPED(exponent, 1, stop[1], stopped[1])
+        STOPPED(exponent, 2, stop[1], stopped[2])
+        STOPPED(exponent, 3, stop[1], stopped[3])
+        STOPPED(exponent, 4, stop[2], stopped[4])
+        STOPPED(exponent, 5, stop[2], stopped[5])
+        STOPPED(exponent, 6, stop[2], stopped[6])
+        direct = gathered(direct, q + DIRECT * PITCH, exponent, noise);
+        STOPPED(exponent, 7, stop[3], stopped[7])
+        STOPPED(exponent, 8, stop[3], stopped[8])
+        STOPPED(exponent, 9, stop[3], stopped[9])
+        indirect = gathered(indirect, q + INDIRECT * PITCH, exponent, noise);
+      }
+    }
+#ifdef IN_BOUNCE_VARIANCE
+    // The centre's weight is 1.
+    const vf kept = load(p + NEIGHBOURS * PITCH);
+    indirect.sum = fma(kept, indirect.sum - 1.0f, (vf)1.0f);
+    indirect.red *= kept;
+    indirect.green *= kept;
+    indirect.blue *= kept;
+#endif
+    // The pixel plus the mean difference, not the mean: a constant picture comes back bit for bit.
+    const vf per_direct = unscale.x / direct.sum, per_indirect = unscale.y / indirect.sum;
+    const vf d[3] = {direct.red, direct.green, direct.blue}, e[3] = {indirect.red, indirect.green, indirect.blue};
+    const vi valid = load(p) < (vf)INFINITY;
+    global const float* in = input + (size_t)y * w + x0 + first + column;
+    const int n = columns - column;
+    for (int c = 0; c < 3; ++c) {
+      const vf a = load_first(in + (IN_DIRECT + c) * area, n, 0.0f), b = load_first(in + (IN_INDIRECT + c) * area, n, 0.0f);
+      const vf emission = load_first(in + (IN_EMISSION + c) * area, n, 0.0f);
+      const vf color = a + b + emission, passed = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
+      const vf filtered = fma(d[c], per_direct, a) + fma(e[c], per_indirect, b) + emission;
+      store_first(valid ? filtered : passed, out + c * out_area + column, n);
+    }
+  }
+}
