@@ -41,8 +41,9 @@ void run(Stage& s) {
   s.run("prepare", s.outer(), 1, s.input(), s.outer().width(), s.outer().height(), guides, signal, s.layout(),
         scales, units);
   s.run("sbf_bank", s.region(0), 1, guides, signal, spatial, results, s.layout(), s.region(0));
-  s.run("sbf_select", s.inner(), 1, s.input(), s.outer().width(), s.outer().height(), guides, signal, spatial,
-        results, s.layout(), Exactly{s.inner()}, s.output());
+  s.run("sbf_select", s.region(1), 1, guides, signal, spatial, results, s.layout(), s.region(1));
+  s.run("finish", s.inner(), 1, s.input(), s.outer().width(), s.outer().height(), guides, signal, s.layout(),
+        Exactly{s.inner()}, s.output());
 }
 
 std::string options(const FilterPlan& plan) {

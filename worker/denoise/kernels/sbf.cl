@@ -62,51 +62,42 @@ kernel void prepare(global const float* restrict input, int w, int h, global flo
   }
 }
 
-typedef struct {
-  vf value[10];
-} Features;
-
-Features features_at(global const float* guides, long plane, size_t p) {
-  Features f;
+// Not inlined: the compiler would take the vectors to pieces, as vload16 is made of them, all the way through the loop.
+__attribute__((noinline)) void load_features(global const float* guides, long plane, size_t p, vf* f) {
 #pragma unroll
-  for (int k = 0; k < 10; ++k) f.value[k] = load(guides + k * plane + p);
-  return f;
+  for (int k = 0; k < 10; ++k) f[k] = load(guides + k * plane + p);
 }
 
 // For numbers from 1 to 1e34, relative error below 2e-7: Newton's iteration from a guess in the bits.
-vf reciprocal(vf v) {
+__attribute__((always_inline)) vf reciprocal(vf v) {
   vf r = as_vf((vi)0x7ef311c7 - as_vi(v));
 #pragma unroll
   for (int k = 0; k < 3; ++k) r = fma(r, fma(-v, r, (vf)1.0f), r);
   return r;
 }
 
-vf squared_difference(const Features* f, global const float* guides, long plane, size_t q, int first) {
-  const vf a = load(guides + first * plane + q) - f->value[first];
-  const vf b = load(guides + (first + 1) * plane + q) - f->value[first + 1];
-  const vf c = load(guides + (first + 2) * plane + q) - f->value[first + 2];
+__attribute__((always_inline)) vf squared_difference(const vf* f, global const float* guides, long plane, size_t q, int first) {
+  const vf a = load(guides + first * plane + q) - f[first];
+  const vf b = load(guides + (first + 1) * plane + q) - f[first + 1];
+  const vf c = load(guides + (first + 2) * plane + q) - f[first + 2];
   return fma(a, a, fma(b, b, c * c));
 }
 
-// exp(-sum of |difference|^2 / (2 sigma^2 max(V_p + V_q, least))), the three quotients as one.
-vf feature_weight(const Features* f, global const float* guides, long plane, size_t q) {
-  const vf depth = load(guides + q) - f->value[0], normal = squared_difference(f, guides, plane, q, 1),
+// exp(-sum of |difference|^2 / (2 sigma^2 max(V_p + V_q, least))), the three quotients as one. A call would cost all
+// vectors that are in registers.
+__attribute__((always_inline)) vf feature_weight(const vf* f, global const float* guides, long plane, size_t q) {
+  const vf depth = load(guides + q) - f[0], normal = squared_difference(f, guides, plane, q, 1),
            albedo = squared_difference(f, guides, plane, q, 4);
   vf variance[3];
 #pragma unroll
   for (int k = 0; k < 3; ++k) {
-    const vf sum = load(guides + (7 + k) * plane + q) + f->value[7 + k];
+    const vf sum = load(guides + (7 + k) * plane + q) + f[7 + k];
     variance[k] = sum > (vf)1.0f ? sum : (vf)1.0f;
   }
   const vf others = variance[1] * variance[2];
   const vf sum = fma(depth * depth, others, variance[0] * fma(normal, variance[2], albedo * variance[1]));
   return exp2_of_negative(-sum * reciprocal(variance[0] * others));
 }
-
-// A bank's sums about a pixel.
-typedef struct {
-  vf weight[BANK], color[BANK][3];
-} Sums;
 
 // Adds to the filters from number `from` on the taps that are farther than `inner` and at most `outer` away.
 // `from` is constant, and all is unrolled along the bank.
@@ -117,16 +108,16 @@ typedef struct {
       _Pragma("nounroll") for (int i = -outer; i <= outer; ++i) {                                        \
         if (hole && i == -inner) i = inner + 1;                                                          \
         const size_t q = p + (long)j * stride + i;                                                       \
-        const vf w = feature_weight(&f, guides, plane, q);                                               \
+        const vf w = feature_weight(f, guides, plane, q);                                               \
         const vf r = load(signal + q) - center[0], g = load(signal + plane + q) - center[1],             \
                  b = load(signal + 2 * plane + q) - center[2];                                           \
         global const float* distance = spatial + abs(j) * REACH + abs(i);                                \
         _Pragma("unroll") for (int k = from; k < BANK; ++k) {                                            \
           const vf v = w * distance[k * TABLE];                                                          \
-          s.weight[k] += v;                                                                              \
-          s.color[k][0] = fma(v, r, s.color[k][0]);                                                      \
-          s.color[k][1] = fma(v, g, s.color[k][1]);                                                      \
-          s.color[k][2] = fma(v, b, s.color[k][2]);                                                      \
+          sum[k] += v;                                                                              \
+          total[k][0] = fma(v, r, total[k][0]);                                                      \
+          total[k][1] = fma(v, g, total[k][1]);                                                      \
+          total[k][2] = fma(v, b, total[k][2]);                                                      \
         }                                                                                                \
       }                                                                                                  \
     }                                                                                                    \
@@ -141,15 +132,16 @@ kernel void sbf_bank(global const float* restrict guides, global const float* re
   if (y >= y1) return;
   FOR_EACH_VECTOR(x, x0, x1) {
     const size_t p = origin + (size_t)y * stride + x;
-    const Features f = features_at(guides, plane, p);
+    vf f[10];
+    load_features(guides, plane, p, f);
     vf center[3];
-    Sums s;
+    vf sum[BANK], total[BANK][3];
 #pragma unroll
     for (int c = 0; c < 3; ++c) center[c] = load(signal + c * plane + p);
 #pragma unroll
     for (int k = 0; k < BANK; ++k) {
-      s.weight[k] = 1.0f;
-      s.color[k][0] = s.color[k][1] = s.color[k][2] = 0.0f;
+      sum[k] = 1.0f;
+      total[k][0] = total[k][1] = total[k][2] = 0.0f;
     }
     RING(6, 12, 16)
     RING(5, 8, 12)
@@ -158,15 +150,15 @@ kernel void sbf_bank(global const float* restrict guides, global const float* re
     RING(2, 3, 4)
     RING(1, 2, 3)
     RING(0, 0, 2)
-    const vi valid = f.value[0] < (vf)INFINITY;
+    const vi valid = f[0] < (vf)INFINITY;
 #pragma unroll
     for (int k = 0; k < BANK; ++k) {
-      const vf inverse = 1.0f / s.weight[k];
+      const vf inverse = 1.0f / sum[k];
       vf error = 0.0f;
 #pragma unroll
       for (int c = 0; c < 3; ++c) {
         // p plus the mean difference, not the mean: a constant picture comes back bit for bit.
-        const vf change = s.color[k][c] * inverse;
+        const vf change = total[k][c] * inverse;
         error += fma(load(signal + (3 + c) * plane + p), fma((vf)2.0f, inverse, (vf)-1.0f), change * change);
         store(valid ? center[c] + change : (vf)0.0f, results + (4 * k + c) * plane + p);
       }
@@ -175,37 +167,41 @@ kernel void sbf_bank(global const float* restrict guides, global const float* re
   }
 }
 
-// The candidate whose error, averaged with the features' weights and the spatial one, is least; of equal ones the
-// first. All averages are over the same weights, so their sums decide. output: RGB over the pixels [x0, x1) x [y0, y1)
-// of the outer region. Invalid pixels keep their colour.
-kernel void sbf_select(global const float* restrict input, int w, int h, global const float* restrict guides,
-                       global const float* restrict signal, global const float* restrict spatial,
-                       global const float* restrict results, int stride, long plane, long origin, int x0, int y0, int x1,
-                       int y1, global float* restrict output) {
-  const int row = get_global_id(1), y = y0 + row;
-  const size_t area = (size_t)w * h, out_area = (size_t)(x1 - x0) * (y1 - y0);
+// Estimated errors of the candidates about p, summed with the features' weights and the spatial one.
+__attribute__((always_inline)) void sum_errors(global const float* guides, global const float* signal,
+                                               global const float* spatial, global const float* results, int stride,
+                                               long plane, size_t p, vf* error) {
+  vf f[10];
+  load_features(guides, plane, p, f);
+#pragma unroll
+  for (int k = 0; k < CANDIDATES; ++k) error[k] = 0.0f;
+#pragma nounroll
+  for (int j = -SMOOTHING; j <= SMOOTHING; ++j) {
+#pragma nounroll
+    for (int i = -SMOOTHING; i <= SMOOTHING; ++i) {
+      const size_t q = p + (long)j * stride + i;
+      const vf weight = feature_weight(f, guides, plane, q) * spatial[BANK * TABLE + abs(j) * REACH + abs(i)];
+#pragma unroll
+      for (int k = 0; k < BANK; ++k) error[k] = fma(weight, load(results + (4 * k + 3) * plane + q), error[k]);
+#if NOISY
+#pragma unroll
+      for (int c = 3; c < 6; ++c) error[BANK] = fma(weight, load(signal + c * plane + q), error[BANK]);
+#endif
+    }
+  }
+}
+
+// The candidate whose averaged error is least becomes the colour in `signal`; of equal ones the first. All averages are
+// over the same weights, so their sums decide.
+kernel void sbf_select(global const float* restrict guides, global float* restrict signal,
+                       global const float* restrict spatial, global const float* restrict results, int stride,
+                       long plane, long origin, int x0, int y0, int x1, int y1) {
+  const int y = y0 + get_global_id(1);
   if (y >= y1) return;
   FOR_EACH_VECTOR(x, x0, x1) {
     const size_t p = origin + (size_t)y * stride + x;
-    const Features f = features_at(guides, plane, p);
     vf error[CANDIDATES];
-#pragma unroll
-    for (int k = 0; k < CANDIDATES; ++k) error[k] = 0.0f;
-#pragma nounroll
-    for (int j = -SMOOTHING; j <= SMOOTHING; ++j) {
-#pragma nounroll
-      for (int i = -SMOOTHING; i <= SMOOTHING; ++i) {
-        const size_t q = p + (long)j * stride + i;
-        const vf weight = i == 0 && j == 0 ? (vf)1.0f
-                                           : feature_weight(&f, guides, plane, q) *
-                                                 spatial[BANK * TABLE + abs(j) * REACH + abs(i)];
-#pragma unroll
-        for (int k = 0; k < BANK; ++k) error[k] = fma(weight, load(results + (4 * k + 3) * plane + q), error[k]);
-#if NOISY
-        for (int c = 3; c < 6; ++c) error[BANK] = fma(weight, load(signal + c * plane + q), error[BANK]);
-#endif
-      }
-    }
+    sum_errors(guides, signal, spatial, results, stride, plane, p, error);
     vf least = error[0], chosen[3];
 #pragma unroll
     for (int c = 0; c < 3; ++c) chosen[c] = load(results + c * plane + p);
@@ -215,13 +211,28 @@ kernel void sbf_select(global const float* restrict input, int w, int h, global 
       least = better ? error[k] : least;
 #pragma unroll
       for (int c = 0; c < 3; ++c)
-        chosen[c] = better ? load(k == BANK ? signal + c * plane + p : results + (4 * k + c) * plane + p) : chosen[c];
+        chosen[c] = better ? load((k == BANK ? signal : results + 4 * k * plane) + c * plane + p) : chosen[c];
     }
-    const vi valid = f.value[0] < (vf)INFINITY;
+#pragma unroll
+    for (int c = 0; c < 3; ++c) store(chosen[c], signal + c * plane + p);
+  }
+}
+
+// output: RGB over the pixels [x0, x1) x [y0, y1) of the outer region. Invalid pixels keep their colour.
+kernel void finish(global const float* restrict input, int w, int h, global const float* restrict guides,
+                   global const float* restrict signal, int stride, long plane, long origin, int x0, int y0, int x1,
+                   int y1, global float* restrict output) {
+  const int row = get_global_id(1), y = y0 + row;
+  const size_t area = (size_t)w * h, out_area = (size_t)(x1 - x0) * (y1 - y0);
+  if (y >= y1) return;
+  FOR_EACH_VECTOR(x, x0, x1) {
+    const size_t p = origin + (size_t)y * stride + x;
+    const vi valid = load(guides + p) < (vf)INFINITY;
     for (int c = 0; c < 3; ++c) {
       const vf raw = load_first(input + (IN_COLOR + c) * area + (size_t)y * w + x, x1 - x, 0.0f);
       const vf kept = fabs(raw) < (vf)INFINITY ? raw : (vf)0.0f;
-      store_first(valid ? chosen[c] : kept, output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), x1 - x);
+      store_first(valid ? load(signal + c * plane + p) : kept,
+                  output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), x1 - x);
     }
   }
 }
