@@ -167,6 +167,23 @@ TEST_F(Filters, TurnANonFinitePixelBlackAndKeepItToItself) {
   }
 }
 
+TEST_F(Filters, TakeDenormalLightForAsGoodAsNone) {
+  const auto is_light = [](const Channel& c) {
+    return c.aov <= Aov::emission ||
+           (c.aov == Aov::sample_vectors && c.index % SampleVector::size >= SampleVector::color);
+  };
+  for (const FilterCase& c : filter_cases()) {
+    const FilterPlan plan = parse_filter(c.text);
+    Image input = made_up_input(plan, {0, 0, 40, 30}, "noise");
+    const std::vector<Channel> inputs = plan.inputs();
+    for (int k = 0; k < input.planes(); ++k)
+      if (is_light(inputs[k]) && inputs[k].statistic != Statistic::samples)
+        for (float& v : input.plane(k)) v *= 1e-40f;
+    const Image result = filtered(plan, input);
+    for (const float v : result.data()) ASSERT_LE(std::abs(v), 1e-37f) << c.text;
+  }
+}
+
 TEST_F(Filters, PassAPixelThroughWhoseGuidesAreNotFinite) {
   for (const FilterCase& c : filter_cases()) {
     if (!c.parts_sky) continue;
