@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// How good the filters are, on scenes of ours, from 1 to 1024 samples, against references: a table of everything as
-// CSV, the papers' tables as Markdown, and for each scene a sheet of pictures. Resumes: references are kept.
-//   quality_bench [--out FOLDER] [--size N] [--reference SAMPLES] [--samples 1,4,8] [--scene NAME] [--filter F] ...
+// How good the filters are, on scenes of ours, from 1 to 1024 samples, against references: a table of
+// everything as CSV, the papers' tables as Markdown, and for each scene a sheet of pictures. Resumes:
+// references are kept.
+//   quality_bench [--out FOLDER] [--size N] [--reference SAMPLES] [--samples 1,4,8] [--scene NAME] [--filter
+//   F] ...
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -37,8 +39,8 @@ std::vector<std::string> all_filters() {
     if (f.name == "none") continue;
     texts.emplace_back(f.name);
     for (const char* variant :
-         {"nlm:mode=prefilter", "sure-atrous:mode=literal", "ddf:holes=on", "ddf:progressive=on", "svgf:variance=spatial",
-          "bmfr:grids=1", "rhf:scales=2"})
+         {"nlm:mode=prefilter", "sure-atrous:mode=literal", "ddf:holes=on", "ddf:progressive=on",
+          "svgf:variance=spatial", "bmfr:grids=1", "rhf:scales=2"})
       if (std::string_view(variant).starts_with(std::string(f.name) + ":")) texts.emplace_back(variant);
   }
   return texts;
@@ -48,10 +50,12 @@ bool takes(const FilterPlan& plan, const auto& what) { return std::ranges::any_o
 
 // Variances need two samples in each half; single samples are kept of the first eight.
 bool can_run(const FilterPlan& plan, int samples) {
-  const bool single = takes(plan, [](const Channel& c) { return info(c.aov).reduction == Reduction::per_sample; });
+  const bool single =
+      takes(plan, [](const Channel& c) { return info(c.aov).reduction == Reduction::per_sample; });
   if (single) return samples == 8;
   const bool statistics = takes(plan, [](const Channel& c) {
-    return c.share != Share::all || c.statistic == Statistic::variance_of_mean || c.statistic == Statistic::third_moment;
+    return c.share != Share::all || c.statistic == Statistic::variance_of_mean ||
+           c.statistic == Statistic::third_moment;
   });
   return !statistics || samples >= 4;
 }
@@ -85,8 +89,9 @@ Image sheet(const std::vector<Image>& pictures) {
   constexpr std::size_t kColumns = 6;
   std::vector<Image> rows;
   for (std::size_t i = 0; i < pictures.size(); i += kColumns) {
-    std::vector<Image> row(pictures.begin() + static_cast<std::ptrdiff_t>(i),
-                           pictures.begin() + static_cast<std::ptrdiff_t>(std::min(i + kColumns, pictures.size())));
+    std::vector<Image> row(
+        pictures.begin() + static_cast<std::ptrdiff_t>(i),
+        pictures.begin() + static_cast<std::ptrdiff_t>(std::min(i + kColumns, pictures.size())));
     while (row.size() < kColumns) row.emplace_back(pictures[0].region(), 3, 1.0f);
     rows.push_back(side_by_side(row));
   }
@@ -95,7 +100,8 @@ Image sheet(const std::vector<Image>& pictures) {
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (int c = 0; c < 3; ++c)
       for (int y = 0; y < r.height(); ++y)
-        std::ranges::copy(rows[i].row(c, y), whole.row(c, y + static_cast<int>(i) * (r.height() + 4)).begin());
+        std::ranges::copy(rows[i].row(c, y),
+                          whole.row(c, y + static_cast<int>(i) * (r.height() + 4)).begin());
   return whole;
 }
 
@@ -156,7 +162,8 @@ int main(int count, char** words) {
   CLI::App app{"How good the filters are"};
   app.add_option("--out", o.out)->capture_default_str();
   app.add_option("--size", o.size)->check(CLI::Range(16, 4096))->capture_default_str();
-  app.add_option("--reference", o.reference, "Samples of the reference, a power of two")->capture_default_str();
+  app.add_option("--reference", o.reference, "Samples of the reference, a power of two")
+      ->capture_default_str();
   app.add_option("--samples", o.samples)->delimiter(',')->capture_default_str();
   app.add_option("--scene", o.scenes)->capture_default_str();
   app.add_option("--filter", o.filters, "[all]");

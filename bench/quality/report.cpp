@@ -55,8 +55,8 @@ class Report {
 
   // A table of `value` for each filter and each of `columns`; empty where there is no score.
   template <typename Column, typename Value>
-  void table(std::string_view corner, const std::vector<std::string>& rows, const std::vector<Column>& columns,
-             const Value& value) {
+  void table(std::string_view corner, const std::vector<std::string>& rows,
+             const std::vector<Column>& columns, const Value& value) {
     say("| {} |", corner);
     for (const Column& c : columns) say(" {} |", c);
     say("\n|---|");
@@ -78,56 +78,66 @@ class Report {
   // The geometric mean over the scenes of relMSE over the noisy picture's.
   void by_ratio() {
     say("## All scenes: relMSE over that of the noisy picture, geometric mean\n\n"
-        "Below 1: better than no filter. Empty: the filter needs more samples, or takes the first eight alone.\n\n");
-    table("filter \\ samples", filters_, samples_, [&](const std::string& f, int n) -> std::optional<std::string> {
-      double logs = 0;
-      int count = 0;
-      for (const std::string& scene : scenes_) {
-        const Scores *s = find(scene, f, n), *noisy = find(scene, kNoisy, n);
-        if (!s || !noisy) continue;
-        logs += std::log(std::max(s->relmse, kLeast) / std::max(noisy->relmse, kLeast));
-        ++count;
-      }
-      if (count == 0) return std::nullopt;
-      return fmt::format("{:.3f}", std::exp(logs / count));
-    });
+        "Below 1: better than no filter. Empty: the filter needs more samples, or takes the first eight "
+        "alone.\n\n");
+    table("filter \\ samples", filters_, samples_,
+          [&](const std::string& f, int n) -> std::optional<std::string> {
+            double logs = 0;
+            int count = 0;
+            for (const std::string& scene : scenes_) {
+              const Scores *s = find(scene, f, n), *noisy = find(scene, kNoisy, n);
+              if (!s || !noisy) continue;
+              logs += std::log(std::max(s->relmse, kLeast) / std::max(noisy->relmse, kLeast));
+              ++count;
+            }
+            if (count == 0) return std::nullopt;
+            return fmt::format("{:.3f}", std::exp(logs / count));
+          });
   }
 
   // Kim et al. 2016, table 1: mean square errors of the input, EAW and SURE a-trous at 16 samples.
   void kim() {
-    say("## SURE à-trous against EAW (Kim et al. 2016, table 1): mean square error of the display image, 16 samples\n\n");
+    say("## SURE à-trous against EAW (Kim et al. 2016, table 1): mean square error of the display image, 16 "
+        "samples\n\n");
     const std::vector<std::string> rows{"noisy", "atrous", "sure-atrous", "sure-atrous:mode=literal"};
-    table("filter", rows, scenes_, [&](const std::string& f, const std::string& scene) -> std::optional<std::string> {
-      const Scores* s = find(scene, f, 16);
-      if (!s) return std::nullopt;
-      return fmt::format("{:.6f}", s->mse0 / 3);
-    });
+    table("filter", rows, scenes_,
+          [&](const std::string& f, const std::string& scene) -> std::optional<std::string> {
+            const Scores* s = find(scene, f, 16);
+            if (!s) return std::nullopt;
+            return fmt::format("{:.6f}", s->mse0 / 3);
+          });
   }
 
   // Lardinoije: the error (sum over channels) of the input, RHF, NL-means and FDF over the samples.
   void lardinoije() {
-    say("## FDF, NL-means and RHF (Lardinoije): MSE summed over channels, ×10⁴, display image, mean of all scenes\n\n");
+    say("## FDF, NL-means and RHF (Lardinoije): MSE summed over channels, ×10⁴, display image, mean of all "
+        "scenes\n\n");
     table("filter \\ samples", {"noisy", "rhf", "nlm:mode=prefilter", "nlm", "fdf"}, samples_,
-          [&](const std::string& f, int n) { return mean_of(f, n, [](const Scores& s) { return 1e4 * s.mse0; }); });
+          [&](const std::string& f, int n) {
+            return mean_of(f, n, [](const Scores& s) { return 1e4 * s.mse0; });
+          });
     say("Factor by which `fdf` lowers it:\n\n");
-    table("scene \\ samples", scenes_, samples_, [&](const std::string& scene, int n) -> std::optional<std::string> {
-      const Scores *s = find(scene, "fdf", n), *noisy = find(scene, kNoisy, n);
-      if (!s || !noisy) return std::nullopt;
-      return fmt::format("{:.2f}", noisy->mse0 / s->mse0);
-    });
+    table("scene \\ samples", scenes_, samples_,
+          [&](const std::string& scene, int n) -> std::optional<std::string> {
+            const Scores *s = find(scene, "fdf", n), *noisy = find(scene, kNoisy, n);
+            if (!s || !noisy) return std::nullopt;
+            return fmt::format("{:.2f}", noisy->mse0 / s->mse0);
+          });
   }
 
-  // Van de Vlasakker 2013: CIELUV errors of RPF, DDF and the plain filters at 8 samples (16 with depth of field).
+  // Van de Vlasakker 2013: CIELUV errors of RPF, DDF and the plain filters at 8 samples (16 with depth of
+  // field).
   void van_de_vlasakker() {
     say("## DDF against RPF (van de Vlasakker 2013): CIELUV error (mean square of L\\*), 8 samples\n\n"
         "`focus` has depth of field.\n\n");
-    const std::vector<std::string> rows{"noisy", "box", "gaussian", "bilateral", "cross-bilateral", "rpf",
-                                        "ddf",   "ddf:holes=on"};
-    table("filter", rows, scenes_, [&](const std::string& f, const std::string& scene) -> std::optional<std::string> {
-      const Scores* s = find(scene, f, 8);
-      if (!s) return std::nullopt;
-      return fmt::format("{:.1f}", s->lightness);
-    });
+    const std::vector<std::string> rows{"noisy",           "box", "gaussian", "bilateral",
+                                        "cross-bilateral", "rpf", "ddf",      "ddf:holes=on"};
+    table("filter", rows, scenes_,
+          [&](const std::string& f, const std::string& scene) -> std::optional<std::string> {
+            const Scores* s = find(scene, f, 8);
+            if (!s) return std::nullopt;
+            return fmt::format("{:.1f}", s->lightness);
+          });
   }
 
   template <typename Value>
@@ -144,7 +154,9 @@ class Report {
   }
 
   void of_scene(const std::string& scene) {
-    say("## {}\n\nrelMSE; then SSIM, FLIP and milliseconds at 16 samples (8 where a filter takes no more).\n\n", scene);
+    say("## {}\n\nrelMSE; then SSIM, FLIP and milliseconds at 16 samples (8 where a filter takes no "
+        "more).\n\n",
+        scene);
     std::vector<std::string> columns;
     for (const int n : samples_) columns.push_back(std::to_string(n));
     for (const char* c : {"SSIM", "FLIP", "ms"}) columns.emplace_back(c);

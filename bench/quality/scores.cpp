@@ -35,9 +35,9 @@ std::string csv(const std::vector<Scores>& all) {
   std::string text =
       "scene,samples,filter,ms,relmse,relmse_trimmed,rmse_display,mse0_display,ssim,flip,cieluv_l,cieluv\n";
   for (const Scores& s : all)
-    text += fmt::format("{},{},\"{}\",{:.2f},{:.6e},{:.6e},{:.6e},{:.6e},{:.5f},{:.5f},{:.4f},{:.4f}\n", s.scene,
-                        s.samples, s.filter, s.milliseconds, s.relmse, s.relmse_trimmed, s.rmse, s.mse0, s.ssim, s.flip,
-                        s.lightness, s.luv);
+    text += fmt::format("{},{},\"{}\",{:.2f},{:.6e},{:.6e},{:.6e},{:.6e},{:.5f},{:.5f},{:.4f},{:.4f}\n",
+                        s.scene, s.samples, s.filter, s.milliseconds, s.relmse, s.relmse_trimmed, s.rmse,
+                        s.mse0, s.ssim, s.flip, s.lightness, s.luv);
   return text;
 }
 

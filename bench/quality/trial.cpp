@@ -49,7 +49,8 @@ ExrImage file_of(const Reference& r) {
   std::vector<float> data(r.mean.data().begin(), r.mean.data().end());
   data.insert(data.end(), r.variance.data().begin(), r.variance.data().end());
   for (const char* layer : {"", "variance."})
-    for (const char letter : std::string_view("RGB")) file.channels.push_back({std::string(layer) + letter, false});
+    for (const char letter : std::string_view("RGB"))
+      file.channels.push_back({std::string(layer) + letter, false});
   file.pixels = Image(file.display, 6, std::move(data));
   return file;
 }
@@ -83,8 +84,8 @@ Image Trial::noisy() const {
 
 Reference reference_of(const Trial& trial, int samples, const std::filesystem::path& folder) {
   const Size size = trial.settings_.size;
-  const auto file = folder / fmt::format("{}_{}x{}_{}.exr", content_hash(*trial.scene_).substr(0, 16), size.width,
-                                         size.height, samples);
+  const auto file = folder / fmt::format("{}_{}x{}_{}.exr", content_hash(*trial.scene_).substr(0, 16),
+                                         size.width, size.height, samples);
   if (std::filesystem::exists(file)) {
     const ExrImage there = read_exr(file);
     return {layer_of(there, ""), layer_of(there, "variance.")};
