@@ -30,6 +30,7 @@ constexpr std::string_view kTexts[] = {
     "bmfr:regularisation=stochastic",
     "box",
     "cross-bilateral",
+    "fdf",
     "ddf",
     "ddf:holes=on",
     "ddf:kw=55",

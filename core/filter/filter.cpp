@@ -12,12 +12,24 @@
 namespace tessera {
 
 std::span<const FilterDescription> filters() {
-  static const std::array all{describe_none(),        describe_atrous(),   describe_bilateral(),
-                              describe_bmfr(),        describe_box(),      describe_cross_bilateral(),
-                              describe_ddf(),         describe_gaussian(), describe_guided(),
-                              describe_nlm(),         describe_rhf(),      describe_rpf(),
-                              describe_rdfc(),        describe_sbf(),      describe_statmc(),
-                              describe_sure_atrous(), describe_svgf()};
+  static const std::array all{describe_none(),
+                              describe_fdf(),
+                              describe_atrous(),
+                              describe_bilateral(),
+                              describe_bmfr(),
+                              describe_box(),
+                              describe_cross_bilateral(),
+                              describe_ddf(),
+                              describe_gaussian(),
+                              describe_guided(),
+                              describe_nlm(),
+                              describe_rhf(),
+                              describe_rpf(),
+                              describe_rdfc(),
+                              describe_sbf(),
+                              describe_statmc(),
+                              describe_sure_atrous(),
+                              describe_svgf()};
   return all;
 }
 

@@ -24,6 +24,9 @@ inline constexpr int kNlmColumns = 128, kNlmRows = 64, kNlmGroup = 3;
 // Of the filter nlm with these parameters.
 NlmShape nlm_shape(const ParameterValues&);
 
+// Of the prefilter of fdf.
+NlmShape fdf_prefilter_shape(const ParameterValues&);
+
 // Of a pixel, in the kernels' inner loops: exponential of the mean distance, mean of the exponentials.
 double nlm_flops(const NlmShape&);
 double nlm_mean_of_exp_flops(const NlmShape&);

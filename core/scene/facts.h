@@ -7,6 +7,10 @@
 
 namespace tessera {
 
+// `light` is the mean of the luminances of what emits, every emitter once: each material in use by the
+// radiance of its surface, the environment by its radiance (pictures and textures count as white), and what
+// has no radiance, a sun or a lamp without size, by that of white paper it lights, from half the scene's
+// diameter away. 0: nothing emits.
 SceneFacts facts_of(const Scene& scene);
 
 }  // namespace tessera

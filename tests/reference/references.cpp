@@ -8,6 +8,7 @@
 #include "tests/reference/bilateral.h"
 #include "tests/reference/bmfr.h"
 #include "tests/reference/ddf.h"
+#include "tests/reference/fdf.h"
 #include "tests/reference/guided.h"
 #include "tests/reference/nlm.h"
 #include "tests/reference/rdfc.h"
@@ -28,6 +29,7 @@ Image filtered(const FilterPlan& plan, const Image& input) {
       {"bmfr", bmfr},
       {"box", box},
       {"cross-bilateral", cross_bilateral},
+      {"fdf", fdf},
       {"ddf", ddf},
       {"gaussian", gaussian},
       {"guided", guided},

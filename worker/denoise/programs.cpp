@@ -12,6 +12,7 @@ const Program& program_of(std::string_view filter) {
       bmfr_program(),
       box_program(),
       cross_bilateral_program(),
+      fdf_program(),
       ddf_program(),
       gaussian_program(),
       guided_program(),

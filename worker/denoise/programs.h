@@ -29,6 +29,7 @@ Program sbf_program();
 Program rpf_program();
 Program statmc_program();
 Program sure_atrous_program();
+Program fdf_program();
 Program svgf_program();
 
 // Precondition: the filter has passes.

@@ -85,6 +85,8 @@ TEST_F(Tiles, WithOnePixelLessHaloDiffer) {
       {"sure-atrous:levels=2,window=3,distance=depth,sigma_y=100"},
       {"sure-atrous:levels=1,window=1,sigma_y=10,variance=spatial"},
       {"sure-atrous:mode=literal,edge=svgf"},
+      {"fdf:t_max=1,n_max=1"},
+      {"fdf:radius=2,prefilter_radius=2,t_max=1,n_max=1"},
       {"nlm"},
       {"nlm:radius=2,patch=1"},
       {"nlm:mode=prefilter"},

@@ -33,7 +33,7 @@ NLM_INLINE void nlm_quotients(global const float* signal, long plane, size_t q,
 #pragma unroll
     for (int h = 0; h < NLM_HALVES; ++h) {
       global const float* at = signal + (2 * h * NLM_CHANNELS + c) * plane + q;
-      const vf difference = load(at) - u[h][c], wq = load(at + NLM_CHANNELS * plane);
+      const vf difference = nlm_load(at) - u[h][c], wq = nlm_load(at + NLM_CHANNELS * plane);
       d[h] = w[h][c] + wq;
       e[h] = wq - w[h][c];
       n[h] = fma(difference, difference, (vf)epsilon) + (e[h] > (vf)0.0f ? e[h] : (vf)0.0f);
@@ -61,8 +61,8 @@ NLM_INLINE void nlm_down(global const float* valid, global const float* signal, 
     vf u[NLM_HALVES][NLM_CHANNELS], w[NLM_HALVES][NLM_CHANNELS];
     for (int h = 0; h < NLM_HALVES; ++h)
       for (int c = 0; c < NLM_CHANNELS; ++c) {
-        u[h][c] = load(signal + (2 * h * NLM_CHANNELS + c) * plane + p);
-        w[h][c] = load(signal + ((2 * h + 1) * NLM_CHANNELS + c) * plane + p);
+        u[h][c] = nlm_load(signal + (2 * h * NLM_CHANNELS + c) * plane + p);
+        w[h][c] = nlm_load(signal + ((2 * h + 1) * NLM_CHANNELS + c) * plane + p);
       }
 #pragma nounroll
     for (int g = 0; g < t.offsets; ++g) {
@@ -70,7 +70,7 @@ NLM_INLINE void nlm_down(global const float* valid, global const float* signal, 
       vf quotient[NLM_MAPS + 1];
       nlm_quotients(signal, plane, q, u, w, epsilon, quotient, quotient + NLM_HALVES);
       if (!whole) {
-        const vi pair = (load(valid + p) < (vf)INFINITY) & (load(valid + q) < (vf)INFINITY);
+        const vi pair = (nlm_load(valid + p) < (vf)INFINITY) & (nlm_load(valid + q) < (vf)INFINITY);
         for (int m = 0; m < NLM_MAPS; ++m) quotient[m] = pair ? quotient[m] : (vf)0.0f;
         quotient[NLM_MAPS] = pair ? (vf)1.0f : (vf)0.0f;
       }
@@ -111,9 +111,9 @@ NLM_INLINE void nlm_gather(global const float* valid, global const float* signal
   vf centre[NLM_HALVES][NLM_CHANNELS], total[NLM_HALVES][NLM_CHANNELS + 1];
   for (int h = 0; h < NLM_HALVES; ++h) {
     for (int c = 0; c < NLM_CHANNELS; ++c)
-      centre[h][c] = load(signal + (2 * h * NLM_CHANNELS + c) * plane + p);
+      centre[h][c] = nlm_load(signal + (2 * h * NLM_CHANNELS + c) * plane + p);
     for (int c = 0; c <= NLM_CHANNELS; ++c)
-      total[h][c] = load(acc + (h * (NLM_CHANNELS + 1) + c) * area + (long)row * t.columns + i);
+      total[h][c] = nlm_load(acc + (h * (NLM_CHANNELS + 1) + c) * area + (long)row * t.columns + i);
   }
 #pragma nounroll
   for (int g = 0; g < t.offsets; ++g)
@@ -125,7 +125,7 @@ NLM_INLINE void nlm_gather(global const float* valid, global const float* signal
       if (!whole) {
         const vf count = nlm_across(here + NLM_MAPS * map);
         scale = count == (vf)(float)NLM_FULL ? (vf)k.y : (vf)k.x / ((float)NLM_CHANNELS * count);
-        one = load(valid + q) < (vf)INFINITY ? (vf)1.0f : (vf)0.0f;
+        one = nlm_load(valid + q) < (vf)INFINITY ? (vf)1.0f : (vf)0.0f;
       }
 #pragma unroll
       for (int h = 0; h < NLM_HALVES; ++h) {
@@ -136,7 +136,7 @@ NLM_INLINE void nlm_gather(global const float* valid, global const float* signal
 #pragma unroll
         for (int c = 0; c < NLM_CHANNELS; ++c)
           total[other][1 + c] =
-              fma(w, load(signal + (2 * other * NLM_CHANNELS + c) * plane + q) - centre[other][c],
+              fma(w, nlm_load(signal + (2 * other * NLM_CHANNELS + c) * plane + q) - centre[other][c],
                   total[other][1 + c]);
       }
     }
@@ -163,12 +163,12 @@ NLM_INLINE void nlm_tile(global const float* valid, global const float* signal, 
 // p plus the mean difference, not the mean: a constant picture comes back bit for bit.
 void nlm_store(global const float* valid, global const float* signal, long plane, size_t p,
                global const float* acc, long area, global float* to) {
-  const vi is_valid = load(valid + p) < (vf)INFINITY;
+  const vi is_valid = nlm_load(valid + p) < (vf)INFINITY;
   for (int h = 0; h < NLM_HALVES; ++h) {
-    const vf scale = 1.0f / load(acc + h * (NLM_CHANNELS + 1) * area);
+    const vf scale = 1.0f / nlm_load(acc + h * (NLM_CHANNELS + 1) * area);
     for (int c = 0; c < NLM_CHANNELS; ++c) {
-      const vf u = load(signal + (2 * h * NLM_CHANNELS + c) * plane + p);
-      const vf mean = fma(load(acc + (h * (NLM_CHANNELS + 1) + 1 + c) * area), scale, u);
+      const vf u = nlm_load(signal + (2 * h * NLM_CHANNELS + c) * plane + p);
+      const vf mean = fma(nlm_load(acc + (h * (NLM_CHANNELS + 1) + 1 + c) * area), scale, u);
       store(is_valid ? mean : (vf)0.0f, to + (h * NLM_CHANNELS + c) * plane + p);
     }
   }

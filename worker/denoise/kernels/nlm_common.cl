@@ -8,6 +8,15 @@
 #define NLM_TAPS (2 * NLM_PATCH + 1)
 #define NLM_RING (NLM_PATCH < 4 ? 8 : 16)  // rows of quotients that are kept; a power of two
 #define NLM_FULL (NLM_TAPS * NLM_TAPS)
+// A vector at any address, in one load: the library's vload is pieces to the compiler, which of overlapping
+// vectors shares the pieces and puts them together at several times the cost.
+#if VW == 1
+#define nlm_load load
+#else
+typedef vf nlm_unaligned __attribute__((aligned(4)));
+#define nlm_load(p) (*(global const nlm_unaligned*)(p))
+#endif
+
 // The two cases of `whole` are two programs.
 #define NLM_INLINE __attribute__((always_inline))
 #if VW == 1
@@ -93,9 +102,9 @@ vf nlm_ring_sum(const vf* ring, int y) {
 
 // The sum of 2 NLM_PATCH + 1 neighbours in a row of a table.
 vf nlm_across(global const float* sums) {
-  vf sum = load(sums - NLM_PATCH);
+  vf sum = nlm_load(sums - NLM_PATCH);
 #pragma unroll
-  for (int k = 1 - NLM_PATCH; k <= NLM_PATCH; ++k) sum += load(sums + k);
+  for (int k = 1 - NLM_PATCH; k <= NLM_PATCH; ++k) sum += nlm_load(sums + k);
   return sum;
 }
 
@@ -105,7 +114,7 @@ int nlm_is_whole(global const float* valid, int stride, long origin, NlmTile t) 
   for (int y = t.y - reach; y < t.y + t.rows + reach; ++y) {
     vi missing = 0;
     for (int x = t.x - reach; x < t.x + t.columns + reach; x += VW)
-      missing |= !(load(valid + origin + (long)y * stride + x) < (vf)INFINITY);
+      missing |= !(nlm_load(valid + origin + (long)y * stride + x) < (vf)INFINITY);
     if (NLM_ANY(missing)) return 0;
   }
   return 1;

@@ -16,16 +16,16 @@ NLM_INLINE void nlm_prefilter_down(global const float* valid, global const float
   size_t p = origin + (long)(t.above - NLM_PATCH) * stride + t.left + i;
 #pragma nounroll
   for (int y = 0; y < t.height + 2 * NLM_PATCH; ++y, p += stride) {
-    const vf u = load(signal + p), v = load(signal + plane + p);
+    const vf u = nlm_load(signal + p), v = nlm_load(signal + plane + p);
 #pragma nounroll
     for (int g = 0; g < t.offsets; ++g) {
       const size_t q = p + nlm_step(t, stride, g, 0);
-      const vf difference = load(signal + q) - u;
-      const vf reciprocal = nlm_reciprocal(v + load(signal + plane + q));
+      const vf difference = nlm_load(signal + q) - u;
+      const vf reciprocal = nlm_reciprocal(v + nlm_load(signal + plane + q));
       vf weight[2];
       weight[0] = exp2_of_negative(difference * (difference * -LOG2_E) * reciprocal);
       if (!whole) {
-        const vi pair = (load(valid + p) < (vf)INFINITY) & (load(valid + q) < (vf)INFINITY);
+        const vi pair = (nlm_load(valid + p) < (vf)INFINITY) & (nlm_load(valid + q) < (vf)INFINITY);
         weight[0] = pair ? weight[0] : (vf)0.0f;
         weight[1] = pair ? (vf)1.0f : (vf)0.0f;
       }
@@ -49,8 +49,8 @@ NLM_INLINE void nlm_prefilter_gather(global const float* valid, global const flo
   const size_t p = origin + (long)(t.y + row) * stride + t.x + i;
   const long table = (long)t.width * t.height, area = (long)t.columns * t.rows;
   acc += (long)row * t.columns + i;
-  const vf centre = load(signal + p);
-  vf total = load(acc), mean = load(acc + area);
+  const vf centre = nlm_load(signal + p);
+  vf total = nlm_load(acc), mean = nlm_load(acc + area);
 #pragma nounroll
   for (int g = 0; g < t.offsets; ++g)
 #pragma unroll
@@ -61,10 +61,10 @@ NLM_INLINE void nlm_prefilter_gather(global const float* valid, global const flo
       if (!whole) {
         const vf count = nlm_across(here + table);
         weight *= count == (vf)(float)NLM_FULL ? (vf)1.0f : (float)NLM_FULL / count;
-        weight = load(valid + q) < (vf)INFINITY ? weight : (vf)0.0f;
+        weight = nlm_load(valid + q) < (vf)INFINITY ? weight : (vf)0.0f;
       }
       total += weight;
-      mean = fma(weight, load(signal + q) - centre, mean);
+      mean = fma(weight, nlm_load(signal + q) - centre, mean);
     }
   store(total, acc);
   store(mean, acc + area);
@@ -109,8 +109,8 @@ kernel void nlm_mean_of_exp(global const float* restrict valid, global const flo
         const size_t p = origin + (long)(t.y + row) * stride + t.x + i;
         global const float* total = acc + (long)row * t.columns + i;
         // p plus the mean difference, not the mean: a constant picture comes back bit for bit.
-        const vf result = load(signal + p) + load(total + area) / load(total);
-        store(load(valid + p) < (vf)INFINITY ? result : (vf)0.0f, to + (long)first_to * plane + p);
+        const vf result = nlm_load(signal + p) + nlm_load(total + area) / nlm_load(total);
+        store(nlm_load(valid + p) < (vf)INFINITY ? result : (vf)0.0f, to + (long)first_to * plane + p);
       }
     barrier(CLK_GLOBAL_MEM_FENCE);
   }
