@@ -41,7 +41,7 @@ constant float kB3[5] = {1.0f / 16, 1.0f / 4, 3.0f / 8, 1.0f / 4, 1.0f / 16};
 // -infinity. t = n + f with n whole, |f| <= 1/2: 2^n goes into the exponent bits, 2^f is a polynomial of degree 5
 // (Chebyshev interpolation of (2^f - 1) / f).
 vf exp2_of_negative(vf t) {
-  const vf lowest = -127.0f, to_integer = 12582912.0f;  // 1.5 * 2^23: the sum's low bits are n
+  const vf lowest = -127.0f, to_integer = 12583039.0f;  // 1.5 * 2^23 + 127: the sum's low bits are n + 127
   t = t > lowest ? t : lowest;
   const vf shifted = t + to_integer;
   const vf f = t - (shifted - to_integer);
@@ -51,7 +51,7 @@ vf exp2_of_negative(vf t) {
   e = fma(e, f, (vf)2.40223497e-1f);
   e = fma(e, f, (vf)6.93147182e-1f);
   e = fma(e, f, (vf)1.0f);
-  return e * as_vf((as_vi(shifted) + 127) << 23);
+  return e * as_vf(as_vi(shifted) << 23);
 }
 
 vf luminance(vf r, vf g, vf b) { return fma((vf)0.2126f, r, fma((vf)0.7152f, g, 0.0722f * b)); }

@@ -31,18 +31,30 @@ vf slope(vf before, vf centre, vf after) {
   return fabs(least) < (vf)INFINITY ? least : (vf)0.0f;
 }
 
-// Runs BODY for both ends q of every chord (i, j) of the (2 RADIUS + 1)^2 window: they share what SCALE yields.
-#define FOR_EACH_CHORD(RADIUS, SCALE, BODY)                                    \
-  _Pragma("nounroll") for (int j = 0; j <= RADIUS; ++j) {                      \
-    _Pragma("nounroll") for (int i = -RADIUS; i <= RADIUS; ++i) {              \
-      if (j == 0 && i <= 0) continue;                                          \
-      const vf scale = SCALE;                                                  \
-      const long chord = (long)(j * step) * stride + i * step;                 \
-      _Pragma("unroll") for (int end = -1; end <= 1; end += 2) {               \
-        const size_t q = p + end * chord;                                      \
-        BODY                                                                   \
-      }                                                                        \
-    }                                                                          \
+// Runs BODY for both ends q of every chord (i, j) of the (2 RADIUS + 1)^2 window: they share what SCALE yields of i and
+// j, which is computed one chord ahead, so that nothing waits for its division.
+#define FOR_EACH_CHORD(RADIUS, SCALE, BODY)                                          \
+  vf next_scale;                                                                     \
+  int next_i = 1, next_j = 0;                                                        \
+  {                                                                                  \
+    const int i = next_i, j = next_j;                                                \
+    next_scale = SCALE;                                                              \
+  }                                                                                  \
+  _Pragma("nounroll") for (int left = 2 * RADIUS * (RADIUS + 1); left > 0; --left) { \
+    const int at_i = next_i, at_j = next_j;                                          \
+    const vf scale = next_scale;                                                     \
+    next_j = at_i < RADIUS ? at_j : at_j + 1;                                        \
+    next_i = at_i < RADIUS ? at_i + 1 : -RADIUS;                                     \
+    {                                                                                \
+      const int i = next_i, j = next_j;                                              \
+      next_scale = SCALE;                                                            \
+    }                                                                                \
+    const int i = at_i, j = at_j;                                                    \
+    const long chord = (long)(j * step) * stride + i * step;                         \
+    _Pragma("unroll") for (int end = -1; end <= 1; end += 2) {                       \
+      const size_t q = p + end * chord;                                              \
+      BODY                                                                           \
+    }                                                                                \
   }
 
 // The variance at p smoothed by the 3x3 Gaussian (1/4, 1/2, 1/4)^2 over the valid pixels: steers, is not passed on.
