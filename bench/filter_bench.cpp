@@ -36,6 +36,7 @@ constexpr std::string_view kTexts[] = {
     "ddf:kw=55",
     "gaussian",
     "guided",
+    "nfor",
     "nlm",
     "nlm:mode=prefilter",
     "rhf",

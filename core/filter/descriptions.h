@@ -24,6 +24,7 @@ FilterDescription describe_guided();
 FilterDescription describe_rpf();
 FilterDescription describe_sure_atrous();
 FilterDescription describe_fdf();
+FilterDescription describe_nfor();
 FilterDescription describe_nlm();
 FilterDescription describe_svgf();
 

@@ -22,6 +22,7 @@ std::span<const FilterDescription> filters() {
                               describe_ddf(),
                               describe_gaussian(),
                               describe_guided(),
+                              describe_nfor(),
                               describe_nlm(),
                               describe_rhf(),
                               describe_rpf(),

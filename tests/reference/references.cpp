@@ -10,6 +10,7 @@
 #include "tests/reference/ddf.h"
 #include "tests/reference/fdf.h"
 #include "tests/reference/guided.h"
+#include "tests/reference/nfor.h"
 #include "tests/reference/nlm.h"
 #include "tests/reference/rdfc.h"
 #include "tests/reference/rhf.h"
@@ -33,6 +34,7 @@ Image filtered(const FilterPlan& plan, const Image& input) {
       {"ddf", ddf},
       {"gaussian", gaussian},
       {"guided", guided},
+      {"nfor", nfor},
       {"nlm", nlm},
       {"rhf", rhf},
       {"rpf", rpf},

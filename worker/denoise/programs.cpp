@@ -16,6 +16,7 @@ const Program& program_of(std::string_view filter) {
       ddf_program(),
       gaussian_program(),
       guided_program(),
+      nfor_program(),
       nlm_program(),
       rhf_program(),
       rpf_program(),

@@ -22,6 +22,7 @@ Program cross_bilateral_program();
 Program ddf_program();
 Program gaussian_program();
 Program guided_program();
+Program nfor_program();
 Program nlm_program();
 Program rhf_program();
 Program rdfc_program();

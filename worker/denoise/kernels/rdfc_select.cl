@@ -41,12 +41,14 @@ kernel void rdfc_blend(global const float* restrict base, global const float* re
       const size_t p = c.origin + (size_t)y * stride + x;
       global const float* sum = sums + (size_t)y * CHUNK_WIDTH + x;
       const vf scale = 1.0f / fetch(sum);
+      const vi valid = fetch(base + p) > (vf)0.0f;
       const vf second = fma(fetch(sum + chunk_size(rows)), scale, fetch(errors + 4 * plane + p));
       const vf third = fma(fetch(sum + 2 * chunk_size(rows)), scale, fetch(errors + 5 * plane + p));
       for (int k = 0; k < 3; ++k) {
         global float* first = candidates + k * plane + p;
         const vf v = fetch(first);
-        put(fma(third, fetch(first + 6 * plane) - v, fma(second, fetch(first + 3 * plane) - v, v)), first);
+        const vf blended = fma(third, fetch(first + 6 * plane) - v, fma(second, fetch(first + 3 * plane) - v, v));
+        put(valid ? blended : (vf)0.0f, first);
       }
     }
 }
