@@ -42,6 +42,7 @@ constexpr std::string_view kTexts[] = {
     "rhf",
     "rhf:average=patches,bins=shared",
     "rhf:patch=0",
+    "rhf:scales=2",
     "rpf",
     "rdfc",
     "sbf",

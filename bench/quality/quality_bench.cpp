@@ -38,8 +38,9 @@ std::vector<std::string> all_filters() {
   for (const FilterDescription& f : filters()) {
     if (f.name == "none") continue;
     texts.emplace_back(f.name);
-    for (const char* variant : {"nlm:mode=prefilter", "sure-atrous:mode=literal", "ddf:holes=on",
-                                "ddf:progressive=on", "svgf:variance=spatial", "bmfr:grids=1"})
+    for (const char* variant :
+         {"nlm:mode=prefilter", "sure-atrous:mode=literal", "ddf:holes=on", "ddf:progressive=on",
+          "svgf:variance=spatial", "bmfr:grids=1", "rhf:scales=2"})
       if (std::string_view(variant).starts_with(std::string(f.name) + ":")) texts.emplace_back(variant);
   }
   return texts;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How Ray Histogram Fusion parts its work: blocks of pixels whose histograms stay in the cache.
+// How Ray Histogram Fusion parts its work: blocks of pixels whose histograms stay in the cache, and scales.
 #pragma once
 
 #include "core/aov.h"
@@ -25,6 +25,18 @@ struct RhfBlock {
     return (radius + 1) * side() * (2 * patch + 1) * columns + side() * columns + 32;
   }
   int floats() const { return history_floats() + distance_floats(); }
+};
+
+// A scale's pixels are every 2^level-th of the picture's, from pixel (0, 0) on, of a Gaussian low-pass of
+// sigma 0.55 sqrt(4^level - 1) that is cut off at ceil(sigma sqrt(4 ln 10)).
+struct RhfScale {
+  static constexpr int most = 3;
+  static constexpr int interpolation = 3;  // how far the bicubic reads, in pixels of the finer scale
+
+  int level = 0;
+
+  int step() const { return 1 << level; }
+  int low_pass() const { return level == 0 ? 0 : level == 1 ? 3 : 7; }  // in pixels of the picture
 };
 
 }  // namespace tessera

@@ -3,12 +3,10 @@
 
 #include <cmath>
 
-#include "tests/reference/features.h"
+#include "tests/reference/rhf_scales.h"
 
 namespace tessera::reference {
 namespace {
-
-constexpr int kBins = 3 * kHistogramBins;
 
 struct Offset {
   int x, y;
@@ -21,17 +19,17 @@ std::vector<Offset> square(int radius) {
   return all;
 }
 
-// Pixels with what decides whether they are alike.
+// The pixels of one scale, with what decides whether they are alike.
 class Pixels {
  public:
-  Pixels(const FilterPlan& plan, const Features& f) : plan_(plan), f_(f) {}
+  Pixels(const FilterPlan& plan, const RhfPicture& scale) : plan_(plan), f_(scale) {}
 
   // It is a neighbour of others.
-  bool counts(int x, int y) const { return f_.valid(x, y) && f_.samples(x, y) > 0; }
+  bool counts(int x, int y) const { return f_.counts(x, y); }
 
   // For every pixel those of its window that agree with it, itself among them; none if it does not count.
   std::vector<std::vector<Offset>> alike() const {
-    const Region& r = f_.region();
+    const Region& r = f_.region;
     std::vector<std::vector<Offset>> all(static_cast<std::size_t>(r.area()));
     for (const Offset& o : square(static_cast<int>(plan_["radius"]))) {
       const std::vector<Distance> distances = distances_to(o);
@@ -54,7 +52,7 @@ class Pixels {
     if (!counts(x + o.x, y + o.y) || !gate_open(x, y, x + o.x, y + o.y)) return false;
     Distance all;
     for (const Offset& k : square(static_cast<int>(plan_["patch"]))) {
-      if (!f_.inside(x + k.x, y + k.y)) continue;
+      if (!f_.region.contains(x + k.x, y + k.y)) continue;
       const Distance& d = distances[f_.index(x + k.x, y + k.y)];
       all.sum += d.sum;
       all.bins += d.bins;
@@ -64,7 +62,7 @@ class Pixels {
 
   // Of each pixel to the one `o` further.
   std::vector<Distance> distances_to(const Offset& o) const {
-    const Region& r = f_.region();
+    const Region& r = f_.region;
     std::vector<Distance> all;
     for (int y = r.y0; y < r.y1; ++y)
       for (int x = r.x0; x < r.x1; ++x) all.push_back(distance(x, y, x + o.x, y + o.y));
@@ -74,12 +72,13 @@ class Pixels {
   Distance distance(int px, int py, int qx, int qy) const {
     Distance d;
     if (!counts(px, py) || !counts(qx, qy)) return d;
-    const double np = f_.samples(px, py), nq = f_.samples(qx, qy);
+    const RhfPixel &p = f_.at(px, py), &q = f_.at(qx, qy);
+    const double np = p.samples, nq = q.samples;
     const double a = std::sqrt(nq / np), b = std::sqrt(np / nq);
     // Of whole counts, more than one sample.
     const double least = plan_.is("bins", "shared") ? 1.000001 : 0;
-    for (int k = 0; k < kBins; ++k) {
-      const double hp = np * f_.at(Aov::histogram, k, px, py), hq = nq * f_.at(Aov::histogram, k, qx, qy);
+    for (int k = 0; k < RhfPixel::bins; ++k) {
+      const double hp = p.counts[k], hq = q.counts[k];
       if (hp + hq <= least) continue;
       d.sum += (a * hp - b * hq) * (a * hp - b * hq) / (hp + hq);
       ++d.bins;
@@ -91,47 +90,59 @@ class Pixels {
     const double gate = plan_["gate"];
     if (gate == 0) return true;
     for (int c = 0; c < 3; ++c) {
-      const double albedo = f_.at(Aov::albedo, c, px, py) - f_.at(Aov::albedo, c, qx, qy);
-      const double normal = (f_.at(Aov::normal, c, px, py) - f_.at(Aov::normal, c, qx, qy)) / 2;
+      const double albedo = f_.at(px, py).albedo[c] - f_.at(qx, qy).albedo[c];
+      const double normal = (f_.at(px, py).normal[c] - f_.at(qx, qy).normal[c]) / 2;
       if (std::abs(albedo) > 0.03 * gate || std::abs(normal) > 0.06 * gate) return false;
     }
     return true;
   }
 
   const FilterPlan& plan_;
-  const Features& f_;
+  const RhfPicture& f_;
 };
 
-}  // namespace
-
-Image rhf(const FilterPlan& plan, const Image& input) {
-  const Features f(plan, input);
-  const Pixels pixels(plan, f);
-  const Region& r = input.region();
+// Each pixel's mean of its likes.
+std::vector<Rgb> filtered(const FilterPlan& plan, const RhfPicture& scale) {
+  const Pixels pixels(plan, scale);
+  const Region& r = scale.region;
   const auto found = pixels.alike();
   // The patches that cover a pixel; of pixels, the one.
   const auto covering = square(plan.is("average", "patches") ? static_cast<int>(plan["patch"]) : 0);
-  Image out(r, 3);
+  std::vector<Rgb> out;
   for (int y = r.y0; y < r.y1; ++y)
     for (int x = r.x0; x < r.x1; ++x) {
-      const Rgb color = f.rgb(Aov::color, x, y);
       double sum = 0;
       Rgb total{};
       for (const Offset& o : covering) {
-        if (!f.valid(x, y) || !pixels.counts(x - o.x, y - o.y)) continue;
-        const auto& patches = found[f.index(x - o.x, y - o.y)];
+        if (!scale.at(x, y).valid || !pixels.counts(x - o.x, y - o.y)) continue;
+        const auto& patches = found[scale.index(x - o.x, y - o.y)];
         for (const Offset& q : patches) {
           if (!pixels.counts(x + q.x, y + q.y)) continue;
           const double w = 1.0 / static_cast<double>(patches.size());
           sum += w;
-          for (int c = 0; c < 3; ++c) total[c] += w * f.at(Aov::color, c, x + q.x, y + q.y);
+          for (int c = 0; c < 3; ++c) total[c] += w * scale.at(x + q.x, y + q.y).color[c];
         }
       }
-      for (int c = 0; c < 3; ++c)
-        out.at(c, x, y) = static_cast<float>(sum > 0                   ? total[c] / sum
-                                             : std::isfinite(color[c]) ? color[c]
-                                                                       : 0.0);
+      out.push_back(scale.at(x, y).color);
+      for (int c = 0; sum > 0 && c < 3; ++c) out.back()[c] = total[c] / sum;
     }
+  return out;
+}
+
+}  // namespace
+
+Image rhf(const FilterPlan& plan, const Image& input) {
+  const RhfPicture finest = finest_scale(plan, input);
+  std::vector<RhfPicture> scales{finest};
+  while (scales.size() < plan["scales"])
+    scales.push_back(coarser_scale(finest, static_cast<int>(scales.size())));
+  std::vector<Rgb> merged = filtered(plan, scales.back());
+  for (std::size_t s = scales.size() - 1; s-- > 0;)
+    merged = merged_into(scales[s], filtered(plan, scales[s]), scales[s + 1], merged);
+  Image out(input.region(), 3);
+  for (std::size_t i = 0; i < merged.size(); ++i)
+    for (int c = 0; c < 3; ++c)
+      out.plane(c)[i] = static_cast<float>(std::isfinite(merged[i][c]) ? merged[i][c] : 0);
   return out;
 }
 

@@ -96,12 +96,12 @@ void Stage::count(std::size_t floats) {
                             floats_, stated));
 }
 
-Planes Stage::planes(int count, float first) {
-  const std::size_t plane = static_cast<std::size_t>(layout_.plane);
+Planes Stage::planes(const Region& over, const Layout& layout, int count, float first) {
+  const std::size_t plane = static_cast<std::size_t>(layout.plane);
   this->count(plane * count);
   Workspace& space = device_.workspace(slots_++, plane * count + kLine);
-  std::string now = fmt::format("{} {} {} {} {} {} {}", outer().width(), outer().height(), layout_.stride,
-                                layout_.plane, layout_.origin, count, first);
+  std::string now = fmt::format("{} {} {} {} {} {} {}", over.width(), over.height(), layout.stride,
+                                layout.plane, layout.origin, count, first);
   if (space.pads != now) {
     device_.fill(space.buffer, first, 0, plane);
     device_.fill(space.buffer, 0, plane, plane * (count - 1));
@@ -138,10 +138,9 @@ void Stage::set(cl::Kernel& kernel, cl_uint& index, const Region& r) {
   set_corners(kernel, index, relative.x0 / vector() * vector(), relative);
 }
 
-void Stage::set(cl::Kernel& kernel, cl_uint& index, const Exactly& e) {
-  const Region& r = e.region;
-  set_corners(kernel, index, r.x0 - outer().x0,
-              {r.x0 - outer().x0, r.y0 - outer().y0, r.x1 - outer().x0, r.y1 - outer().y0});
+void Stage::set(cl::Kernel& kernel, cl_uint& index, const Within& in) {
+  const Region &r = in.region, &o = in.outer;
+  set_corners(kernel, index, r.x0 - o.x0, {r.x0 - o.x0, r.y0 - o.y0, r.x1 - o.x0, r.y1 - o.y0});
 }
 
 void Stage::enqueue(cl::Kernel& kernel, const Region& over, int step) {

@@ -32,9 +32,12 @@ struct Planes {
 
 // A region as a kernel's argument: x0, y0, x1, y1 relative to the outer region. Of a Region, x0 is moved left
 // to a multiple of the vector width: the lanes in front hold pixels that no later pass reads. Of Exactly, it
-// is not.
+// is not. Of Within, it is relative to `outer` instead, as a region of another grid is.
 struct Exactly {
   Region region;
+};
+struct Within {
+  Region region, outer;
 };
 
 class Stage {
@@ -59,7 +62,9 @@ class Stage {
 
   // `count` planes. Their pads hold `first` in plane 0, and 0 in all others: which kernels have to leave so,
   // for the pads are filled only when they do not hold that already.
-  Planes planes(int count, float first = 0);
+  Planes planes(int count, float first = 0) { return planes(outer(), layout_, count, first); }
+  // The same over another grid's region.
+  Planes planes(const Region& over, const Layout&, int count, float first = 0);
   // Memory without any promise: `floats` of it.
   Planes scratch(std::size_t floats);
   // Numbers that the kernels look up.
@@ -86,7 +91,8 @@ class Stage {
   void set(cl::Kernel& kernel, cl_uint& index, const Planes& p) { kernel.setArg(index++, p.buffer); }
   void set(cl::Kernel&, cl_uint& index, const Layout&);
   void set(cl::Kernel&, cl_uint& index, const Region&);
-  void set(cl::Kernel&, cl_uint& index, const Exactly&);
+  void set(cl::Kernel& k, cl_uint& index, const Exactly& e) { set(k, index, Within{e.region, outer()}); }
+  void set(cl::Kernel&, cl_uint& index, const Within&);
   void set_corners(cl::Kernel&, cl_uint& index, int x0, const Region& relative);
   void enqueue(cl::Kernel&, const Region& over, int step);
   void count(std::size_t floats);

@@ -48,6 +48,21 @@ const std::vector<FilterCase>& filter_cases() {
       {.text = "rhf", .relative = 5e-4, .slow = true},
       {.text = "rhf:patch=0,gate=3", .relative = 5e-4, .slow = true},
       {.text = "rhf:average=patches,bins=shared", .relative = 5e-4, .slow = true},
+      // A scale's low frequencies are taken out and those of the next put in: what is rounded off a firefly's
+      // mean reaches its neighbours. Turned, a picture 83 pixels wide has another grid of every fourth pixel.
+      {.text = "rhf:scales=2",
+       .relative = 5e-4,
+       .extreme = 0,
+       .of_largest = 1e-4,
+       .constant = 1e-6,
+       .slow = true},
+      {.text = "rhf:average=patches,gate=3,scales=3",
+       .relative = 5e-4,
+       .extreme = 0,
+       .of_largest = 1e-4,
+       .constant = 1e-6,
+       .turns = false,
+       .slow = true},
       // Albedos and normals are stored in units of their sigmas: what is rounded off some tens of them is
       // worth 1e-4 of the smallest weights, which decide where the only neighbour is a firefly. A test of
       // means whose sides differ by less than their rounding may fall out either way; of these inputs none
