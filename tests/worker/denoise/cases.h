@@ -15,6 +15,9 @@ struct FilterCase {
   // What a value may differ beyond that, as a part of the picture's largest: of sums whose terms cancel, the
   // error is a part of the terms.
   double of_largest = 0;
+  // The same for pictures with fireflies. Squared errors as large as a firefly's leave no digits to tell
+  // others apart: a choice by them is then a choice by rounding.
+  double firefly = 0;
   // Largest relative change of a constant picture; 0: not a bit.
   double constant = 0;
   // Takes depth, so that sky passes through and is no pixel's neighbour; a pixel that is not finite likewise.
