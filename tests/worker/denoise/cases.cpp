@@ -92,12 +92,13 @@ const std::vector<FilterCase>& filter_cases() {
       {.text = "fdf", .relative = 0.1, .extreme = 0},
       {.text = "fdf:guides=prefiltered,radius=3", .relative = 0.1, .extreme = 0, .slow = true},
       // Light beyond what squares fit into a float is left alone. With one k there is nothing to choose; what
-      // is left of fireflies is the rounding of predictions, sums of terms as large as they.
+      // is left of fireflies is the rounding of predictions, sums of terms as large as they are before they
+      // are spread.
       {.text = "nfor:depth_scale=10", .relative = 1e-3, .extreme = 0, .firefly = 1, .slow = true},
       {.text = "nfor:depth_scale=10,k_narrow=1",
        .relative = 1e-3,
        .extreme = 0,
-       .firefly = 1e-5,
+       .firefly = 1e-4,
        .slow = true},
       {.text = "nlm", .parts_sky = false, .slow = true},
       {.text = "nlm:cut=soft,radius=3,patch=2", .parts_sky = false, .slow = true},
