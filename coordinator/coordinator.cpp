@@ -150,7 +150,7 @@ bool Coordinator::fits(const FilterDone& result) const {
   const auto task = active_->tasks.find(result.task);
   if (task == active_->tasks.end()) return true;
   const auto* work = std::get_if<FilterTask>(&task->second.work);
-  return work != nullptr && Frame::fits(*work, result.filtered);
+  return work != nullptr && active_->frame.fits(*work, result.filtered);
 }
 
 template <class Result>

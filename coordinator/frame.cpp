@@ -5,6 +5,8 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "core/quality/guards.h"
 
@@ -59,12 +61,13 @@ constexpr std::array kAll{0, 1, 2}, kHalfA{3, 4, 5}, kHalfB{6, 7, 8};
 
 }  // namespace
 
-Frame::Frame(const Job& job)
+Frame::Frame(const Job& job, bool awaits_history)
     : job_(job),
       cells_(plan_cells(job)),
       tiles_(plan_tiles(job)),
       film_(job.region(), film_aovs(job)),
-      stitched_(job.region(), kFilteredPlanes),
+      awaits_history_(awaits_history),
+      stitched_(job.region(), filtered_planes(job.filter)),
       have_(cells_.size(), 0),
       tiles_of_cell_(cells_.size()),
       tile_stitched_(tiles_.size()),
@@ -78,12 +81,12 @@ Frame::Frame(const Job& job)
   }
 }
 
-// The film, its blocks that wait for a sibling, the stitched planes, what was seen of both, and a copy to
-// write.
+// The film, its blocks that wait for a sibling, the stitched planes, what was seen of both, a copy to write,
+// and the history of the frame before.
 double Frame::bytes(const Job& job) {
   const double film = FilmLayout(film_aovs(job)).planes();
   return static_cast<double>(job.region().area()) * sizeof(float) *
-         (3 * film + kFilteredPlanes + kSeenPlanes + 4);
+         (3 * film + filtered_planes(job.filter) + history_planes(job.filter) + kSeenPlanes + 4);
 }
 
 std::vector<Work> Frame::begin() { return start_round(first_round(job_.acceptance, cells_.size())); }
@@ -131,7 +134,33 @@ std::vector<Work> Frame::cell_done(std::size_t cell) {
   std::vector<Work> ready;
   for (std::size_t t : tiles_of_cell_[cell])
     if (--cells_left_[t] == 0) ready.emplace_back(FilterTask{tiles_[t], round_});
-  return ready;
+  if (!awaits_history_) return ready;
+  waiting_.insert(waiting_.end(), ready.begin(), ready.end());
+  return {};
+}
+
+std::vector<Work> Frame::remember(std::shared_ptr<const Image> history) {
+  awaits_history_ = false;
+  history_ = std::move(history);
+  return std::exchange(waiting_, {});
+}
+
+std::shared_ptr<const Image> Frame::kept() const {
+  const int planes = history_planes(job_.filter);
+  assert(stopped() && planes > 0);
+  std::vector<int> numbers(planes);
+  std::iota(numbers.begin(), numbers.end(), kFilteredPlanes);
+  return std::make_shared<const Image>(picked(stitched_, stitched_.region(), numbers));
+}
+
+FilterInput Frame::filter_input(const FilterTask& task) const {
+  const Region& outer = task.tile.outer;
+  FilterInput input{cropped(film_.sums(), outer), {}};
+  if (!history_) return input;
+  const auto motion = channels_of(Aov::motion);
+  const Region seen = footprint(developed(input.film, layout(), motion, Part::all), outer, film_.region());
+  if (!seen.empty()) input.history = cropped(*history_, seen);
+  return input;
 }
 
 void Frame::stitch(const FilterTask& task, const Filtered& filtered) {
@@ -199,8 +228,8 @@ bool Frame::fits(const RenderTask& task, const Block& block) const {
          block.sums.planes() == layout().planes();
 }
 
-bool Frame::fits(const FilterTask& task, const Filtered& filtered) {
-  return filtered.region() == task.tile.inner && filtered.planes() == kFilteredPlanes;
+bool Frame::fits(const FilterTask& task, const Filtered& filtered) const {
+  return filtered.region() == task.tile.inner && filtered.planes() == filtered_planes(job_.filter);
 }
 
 FrameImage Frame::image() const {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -39,7 +40,8 @@ struct FrameImage {
 
 class Frame {
  public:
-  explicit Frame(const Job& job);
+  // `awaits_history`: nothing is filtered before remember().
+  explicit Frame(const Job& job, bool awaits_history = false);
 
   // What it will hold in memory, at the most.
   static double bytes(const Job& job);
@@ -51,6 +53,13 @@ class Frame {
   std::vector<Work> fold(Block block);
   void stitch(const FilterTask& task, const Filtered& filtered);
 
+  // What the frame before kept; null: nothing (the shot begins here, or was cut). Once, if it was awaited.
+  // Returns the filter tasks that only waited for this.
+  std::vector<Work> remember(std::shared_ptr<const Image> history);
+  // What this frame keeps for the next one: history_planes() over the frame. Precondition: stopped(), and the
+  // filter keeps something.
+  std::shared_ptr<const Image> kept() const;
+
   bool round_complete() const { return tiles_left_ == 0 && !stopped(); }
   // Decides at the end of a round: the next round's work, or nothing once stopped().
   std::vector<Work> look(const Budget& budget);
@@ -60,11 +69,11 @@ class Frame {
 
   const Job& job() const { return job_; }
   const FilmLayout& layout() const { return film_.layout(); }
-  // The film sums a filter task needs.
-  Image filter_input(const FilterTask& task) const { return cropped(film_.sums(), task.tile.outer); }
+  // What a filter task needs: of the history, what its pixels can touch.
+  FilterInput filter_input(const FilterTask& task) const;
   // What a worker's answer to a task of this frame must look like.
   bool fits(const RenderTask& task, const Block& block) const;
-  static bool fits(const FilterTask& task, const Filtered& filtered);
+  bool fits(const FilterTask& task, const Filtered& filtered) const;
 
   FrameImage image() const;
   Progress progress(double seconds) const;
@@ -85,7 +94,10 @@ class Frame {
   std::map<Region, std::size_t> tile_at_;  // by inner region
 
   Film film_;
-  Image stitched_;   // kFilteredPlanes over the frame, this round's tiles replacing older ones
+  bool awaits_history_;
+  std::vector<Work> waiting_;             // for the history
+  std::shared_ptr<const Image> history_;  // of the frame before; may be null
+  Image stitched_;   // filtered_planes() over the frame, this round's tiles replacing older ones
   Image seen_;       // RGB delivered at the last look
   Image seen_sums_;  // colour sums of the halves and their counts at the last look
 

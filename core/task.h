@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "core/film.h"
+#include "core/filter/history.h"
 #include "core/region.h"
 
 namespace tessera {
@@ -21,7 +22,8 @@ struct RenderTask {
   bool operator==(const RenderTask&) const = default;
 };
 
-// Filter `tile`; the film's sums over tile.outer travel along.
+// Filter `tile`; the film's sums over tile.outer travel along, and of a temporal filter the history that they
+// touch.
 struct FilterTask {
   Tile tile;
   int round = 0;
@@ -35,9 +37,17 @@ struct Task {
   bool operator==(const Task&) const = default;
 };
 
+// What a filter task works on; both are empty for other tasks.
+struct FilterInput {
+  Image film;     // sums over tile.outer
+  Image history;  // history_planes() of the frame before, where tile.outer was seen; empty: there is none
+};
+
 // The answer to a filter task: planes over tile.inner.
 //   0..2 the filter run on all samples   3..5 on half A   6..8 on half B
+//   then what a temporal filter keeps for the next frame, in the same order: see filter/history.h
 inline constexpr int kFilteredPlanes = 9;
+inline int filtered_planes(const FilterPlan& plan) { return kFilteredPlanes + history_planes(plan); }
 using Filtered = Image;
 
 }  // namespace tessera

@@ -77,7 +77,8 @@ struct Encoder {
     w.set_attempt(m.attempt);
     if (const auto* render = std::get_if<RenderTask>(&m.task.work)) to_wire(*render, *w.mutable_render());
     if (const auto* filter = std::get_if<FilterTask>(&m.task.work)) to_wire(*filter, *w.mutable_filter());
-    if (!m.input.empty()) to_wire(std::move(m.input), *w.mutable_input(), pixels);
+    if (!m.input.film.empty()) to_wire(std::move(m.input.film), *w.mutable_input(), pixels);
+    if (!m.input.history.empty()) to_wire(std::move(m.input.history), *w.mutable_history(), pixels);
   }
   void operator()(Revoke& m) {
     wire::Revoke& w = *out.mutable_revoke();
@@ -122,7 +123,8 @@ Message render_done(const wire::RenderDone& w, Parts parts) {
 Message filter_done(const wire::FilterDone& w, Parts parts) {
   FilterDone m{.task = w.task(), .attempt = w.attempt(), .filtered = {}};
   m.seconds = seconds_from(w.seconds(), "seconds");
-  require(w.filtered().planes() == kFilteredPlanes, "filtered", "has not as many planes as a filter returns");
+  const int kept = w.filtered().planes() - kFilteredPlanes;
+  require(kept >= 0 && kept % 3 == 0, "filtered", "has not as many planes as a filter returns");
   m.filtered = pixels_of(w.filtered(), parts, "filtered");
   return m;
 }
@@ -136,17 +138,27 @@ Message welcome(const wire::Welcome& w) {
   return Welcome{w.protocol(), Millis(whole_from(w.heartbeat_ms(), 1, hour, "heartbeat_ms"))};
 }
 
+// The film's pixels, and behind them those of the history.
+FilterInput input_of(const wire::Assign& w, Parts parts) {
+  if (!w.has_history()) return {pixels_of(w.input(), parts, "input"), {}};
+  require(parts.size() == 2, "input", "its pixels are missing");
+  const std::size_t history = bytes_of(w.history(), "history");
+  require(history <= parts[1].size(), "history", "its pixels are missing");
+  const auto film = parts[1].first(parts[1].size() - history);
+  return {image_from(w.input(), film, "input"), image_from(w.history(), parts[1].last(history), "history")};
+}
+
 Message assign(const wire::Assign& w, Parts parts) {
   Assign m{.task = {w.task(), w.job(), {}}, .attempt = w.attempt(), .input = {}};
   if (w.work_case() == wire::Assign::kFilter) {
     const FilterTask task = task_from(w.filter());
     m.task.work = task;
-    m.input = pixels_of(w.input(), parts, "input");
-    require(m.input.region() == task.tile.outer, "input", "does not cover the tile's outer region");
+    m.input = input_of(w, parts);
+    require(m.input.film.region() == task.tile.outer, "input", "does not cover the tile's outer region");
     return m;
   }
   require(w.work_case() == wire::Assign::kRender, "work", "is neither render nor filter");
-  require(!w.has_input(), "input", "a render task takes none");
+  require(!w.has_input() && !w.has_history(), "input", "a render task takes none");
   require_no_pixels(parts);
   m.task.work = task_from(w.render());
   return m;

@@ -16,7 +16,7 @@ namespace tessera {
 using WorkerId = std::string;  // chosen by the worker, new each time it starts; 1..64 printable characters
 using Attempt = std::uint32_t;
 
-inline constexpr int kProtocolVersion = 2;
+inline constexpr int kProtocolVersion = 3;
 
 // Worker to coordinator.
 struct Hello {
@@ -75,7 +75,7 @@ struct JobOffer {  // answers NeedJob; may be sent ahead of a job's first task
 struct Assign {
   Task task;
   Attempt attempt = 0;
-  Image input;  // filter tasks: film sums over tile.outer, a part of its own; else empty
+  FilterInput input;  // a part of its own
 };
 struct Revoke {  // stop, if still at it; no answer is wanted
   TaskId task = 0;

@@ -123,7 +123,11 @@ void to_wire(const Job& job, wire::Job& w) {
 void to_wire(Image&& image, wire::Planes& w, std::vector<float>& pixels) {
   to_wire(image.region(), *w.mutable_region());
   w.set_planes(image.planes());
-  pixels = std::move(image).release();
+  std::vector<float> more = std::move(image).release();
+  if (pixels.empty())
+    pixels = std::move(more);
+  else
+    pixels.insert(pixels.end(), more.begin(), more.end());
 }
 
 std::string text_from(const std::string& text, std::size_t most, std::string_view field) {
@@ -177,15 +181,19 @@ Job job_from(const wire::Job& w) {
   return job;
 }
 
-Image image_from(const wire::Planes& w, std::span<const std::byte> bytes, std::string_view field) {
+std::size_t bytes_of(const wire::Planes& w, std::string_view field) {
   const Region region = region_from(w.region(), field);
-  const int planes = whole_from(w.planes(), 1, kMaxPlanes, field);
-  const std::uint64_t floats = static_cast<std::uint64_t>(region.area()) * planes;
-  require(bytes.size() <= kMaxPixelBytes && bytes.size() == floats * sizeof(float), field,
-          "its pixels have the wrong size");
-  std::vector<float> data(floats);
+  const auto planes = static_cast<std::uint64_t>(whole_from(w.planes(), 1, kMaxPlanes, field));
+  const std::uint64_t bytes = static_cast<std::uint64_t>(region.area()) * planes * sizeof(float);
+  require(bytes <= kMaxPixelBytes, field, "its pixels have the wrong size");
+  return bytes;
+}
+
+Image image_from(const wire::Planes& w, std::span<const std::byte> bytes, std::string_view field) {
+  require(bytes.size() == bytes_of(w, field), field, "its pixels have the wrong size");
+  std::vector<float> data(bytes.size() / sizeof(float));
   std::memcpy(data.data(), bytes.data(), bytes.size());
-  return Image(region, planes, std::move(data));
+  return Image(region_from(w.region(), field), w.planes(), std::move(data));
 }
 
 }  // namespace tessera

@@ -20,7 +20,7 @@ void to_wire(const SampleRange&, wire::SampleRange&);
 void to_wire(const RenderTask&, wire::RenderTask&);
 void to_wire(const FilterTask&, wire::FilterTask&);
 void to_wire(const Job&, wire::Job&);
-// Moves the image's floats to `pixels`.
+// Moves the image's floats to the end of `pixels`.
 void to_wire(Image&&, wire::Planes&, std::vector<float>& pixels);
 
 std::string text_from(const std::string&, std::size_t most, std::string_view field);
@@ -30,7 +30,8 @@ SampleRange samples_from(const wire::SampleRange&, std::string_view field);  // 
 RenderTask task_from(const wire::RenderTask&);
 FilterTask task_from(const wire::FilterTask&);
 Job job_from(const wire::Job&);
-// Precondition for the copy: `bytes` are exactly the floats that `planes` speaks of.
+// Of the floats that `planes` speaks of.
+std::size_t bytes_of(const wire::Planes&, std::string_view field);
 Image image_from(const wire::Planes&, std::span<const std::byte> bytes, std::string_view field);
 
 }  // namespace tessera

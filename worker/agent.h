@@ -65,7 +65,7 @@ class Agent {
     int slot = 0;  // free until now; reports with Finished, Broke or Ended
     Task task;
     std::shared_ptr<const Job> job;  // shared, as the slot may be at work when the agent forgets the job
-    Image input;
+    FilterInput input;
   };
   struct Cancel {
     int slot = 0;

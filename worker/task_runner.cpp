@@ -23,7 +23,7 @@ class StandardRunner : public TaskRunner {
         scenes_(scenes_kept),
         ready_(scenes_kept) {}
 
-  TaskResult run(const Job& job, const Task& task, const Image& input,
+  TaskResult run(const Job& job, const Task& task, const FilterInput& input,
                  const std::atomic<bool>& cancel) override {
     if (const auto* work = std::get_if<RenderTask>(&task.work)) return run(job, *work, cancel);
     return run(job, std::get<FilterTask>(task.work), input);
@@ -42,12 +42,13 @@ class StandardRunner : public TaskRunner {
     return done;
   }
 
-  TaskResult run(const Job& job, const FilterTask& work, const Image& input) {
+  TaskResult run(const Job& job, const FilterTask& work, const FilterInput& input) {
     const FilmLayout layout(film_aovs(job));
-    if (input.planes() != layout.planes())
+    if (input.film.planes() != layout.planes())
       throw Error(ExitCode::internal_error, fmt::format("filter task: the film has {} planes, not {}",
-                                                        input.planes(), layout.planes()));
-    return FilterDone{.filtered = filter_task(*device_, job.filter, input, layout, work.tile, job.region())};
+                                                        input.film.planes(), layout.planes()));
+    return FilterDone{.filtered = filter_task(*device_, job.filter, input.film, layout, work.tile, job.region(),
+                                              input.history)};
   }
 
   SceneSource source_;

@@ -53,6 +53,10 @@ int window_radius(const ParameterValues&, std::string_view name);
 // Floats a pixel takes for `planes` in strips with room for a window (worker/denoise/window.h).
 double window_scratch(int planes);
 
+// The parameter `history`: whether a filter goes by the frame before. What it then keeps, see history.h.
+Parameter history_parameter();
+bool with_history(const ParameterValues&);
+
 // The parameter `diameter` of filters that measure depth in tenths of the scene's diameter.
 Parameter diameter_parameter();
 

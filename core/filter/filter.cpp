@@ -71,6 +71,21 @@ Parameter sigma_x_parameter(std::string_view source) {
       4.0};
 }
 
+Parameter history_parameter() {
+  return {"history",
+          "whether light is accumulated over the frames of a shot, each found in the one before by its motion "
+          "vectors",
+          "",
+          "Schied et al. 2017, section 4.1; Koskela et al. 2019, section 3.2",
+          0,
+          1,
+          0,
+          true,
+          {"off", "on"}};
+}
+
+bool with_history(const ParameterValues& values) { return values.find("history")->second == 1; }
+
 int halo(std::span<const Pass> passes) {
   return std::accumulate(passes.begin(), passes.end(), 0,
                          [](int sum, const Pass& p) { return sum + p.radius; });
@@ -85,6 +100,10 @@ const FilterDescription& FilterPlan::description() const {
 std::vector<Channel> FilterPlan::inputs() const { return description().inputs(parameters); }
 std::vector<Pass> FilterPlan::passes() const { return description().passes(parameters); }
 int FilterPlan::halo() const { return tessera::halo(passes()); }
+int FilterPlan::history() const {
+  const auto planes = description().history;
+  return planes == nullptr ? 0 : planes(parameters);
+}
 bool FilterPlan::is(std::string_view parameter, std::string_view choice) const {
   const auto& all = description().parameters;
   const auto p = std::ranges::find(all, parameter, &Parameter::name);
@@ -92,12 +111,23 @@ bool FilterPlan::is(std::string_view parameter, std::string_view choice) const {
   return p->choices[static_cast<std::size_t>((*this)[parameter])] == choice;
 }
 
+namespace {
+
+double fact_for(const Parameter& p, const SceneFacts& facts) {
+  if (p.fact == SceneFact::frame) {
+    const int numbers = static_cast<int>(p.high) + 1;
+    return (facts.frame % numbers + numbers) % numbers;
+  }
+  const double fact = p.fact == SceneFact::diameter ? facts.diameter : facts.light;
+  return fact > 0 ? std::clamp(fact, std::numeric_limits<double>::min(), p.high) : 1;
+}
+
+}  // namespace
+
 FilterPlan resolved(FilterPlan plan, const SceneFacts& facts) {
   for (const Parameter& p : plan.description().parameters) {
     double& value = plan.parameters.find(p.name)->second;
-    if (p.fact == SceneFact::none || value != 0) continue;
-    const double fact = p.fact == SceneFact::diameter ? facts.diameter : facts.light;
-    value = fact > 0 ? std::clamp(fact, std::numeric_limits<double>::min(), p.high) : 1;
+    if (p.fact != SceneFact::none && value == 0) value = fact_for(p, facts);
   }
   return plan;
 }

@@ -30,8 +30,9 @@ int halo(std::span<const Pass> passes);
 struct SceneFacts {
   double diameter = 0;  // of everything in it, world units
   double light = 0;     // mean luminance of what emits
+  int frame = 0;        // number of the frame
 };
-enum class SceneFact : std::uint8_t { none, diameter, light };
+enum class SceneFact : std::uint8_t { none, diameter, light, frame };
 
 // A number with its unit and source, or a choice among names.
 struct Parameter {
@@ -39,7 +40,7 @@ struct Parameter {
   double low = 0, high = 0, standard = 0;  // inclusive range and default; whole numbers where `integral`
   bool integral = false;
   std::vector<std::string_view> choices = {};  // not empty: the value is an index into these
-  SceneFact fact = SceneFact::none;            // whose place a 0 takes: see resolved()
+  SceneFact fact = SceneFact::none;            // which takes the place of a 0: see resolved()
 };
 
 using ParameterValues = std::map<std::string, double, std::less<>>;
@@ -52,6 +53,9 @@ struct FilterDescription {
   std::vector<Pass> (*passes)(const ParameterValues&);
   // Floats of working memory a pixel of the outer region takes, beside inputs and output.
   double (*scratch)(const ParameterValues&);
+  // Planes it keeps of each frame for the next one (see history.h), where it then finds them by Aov::motion,
+  // which must be among its inputs. Null: none, whatever the parameters.
+  int (*history)(const ParameterValues&) = nullptr;
 };
 
 // All filters, by name. `none` is one: it has no passes.
@@ -66,6 +70,7 @@ struct FilterPlan {
   std::vector<Channel> inputs() const;
   std::vector<Pass> passes() const;
   int halo() const;
+  int history() const;  // planes; 0: it looks at one frame alone
   double operator[](std::string_view parameter) const { return parameters.find(parameter)->second; }
   // Which of the parameter's choices is taken.
   bool is(std::string_view parameter, std::string_view choice) const;
@@ -77,8 +82,8 @@ struct FilterPlan {
 FilterPlan parse_filter(std::string_view text);
 // The inverse: the name with every parameter that is not at its default.
 std::string to_string(const FilterPlan&);
-// With the scene's facts in place of zeros; a fact that is not known counts as 1. Once per frame, before it
-// is cut into tiles.
+// With the scene's facts in place of zeros; a fact that is not known counts as 1, the frame's number modulo
+// the numbers that the parameter can be. Once per frame, before it is cut into tiles.
 FilterPlan resolved(FilterPlan, const SceneFacts&);
 // Throws Error(bad_input) unless every parameter is known, present and in range: for plans that come by
 // message.

@@ -16,7 +16,7 @@ class QuickRunner : public TaskRunner {
   std::function<void(const Task&)> before = [](const Task&) {};
   std::function<void(TaskResult&)> after = [](TaskResult&) {};
 
-  TaskResult run(const Job& job, const Task& task, const Image&, const std::atomic<bool>&) override {
+  TaskResult run(const Job& job, const Task& task, const FilterInput&, const std::atomic<bool>&) override {
     before(task);
     TaskResult result = answer(job, task);
     after(result);

@@ -60,10 +60,10 @@ TEST(Codec, EveryFieldOfATaskTravels) {
   const Assign a = std::get<Assign>(round_trip(Assign{render, 2, {}}));
   EXPECT_EQ(a.task, render);
   EXPECT_EQ(a.attempt, 2u);
-  EXPECT_TRUE(a.input.empty());
+  EXPECT_TRUE(a.input.film.empty());
   const Assign b = std::get<Assign>(round_trip(Assign{filter, 1, counting_image(outer, 4)}));
   EXPECT_EQ(b.task, filter);
-  EXPECT_TRUE(same_bits(b.input, counting_image(outer, 4)));
+  EXPECT_TRUE(same_bits(b.input.film, counting_image(outer, 4)));
 }
 
 TEST(Codec, EveryFieldOfAnAnswerTravels) {

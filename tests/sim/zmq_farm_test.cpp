@@ -19,7 +19,7 @@ namespace {
 
 class RightRunner : public TaskRunner {
  public:
-  TaskResult run(const Job&, const Task& task, const Image&, const std::atomic<bool>&) override {
+  TaskResult run(const Job&, const Task& task, const FilterInput&, const std::atomic<bool>&) override {
     return right_answer(task);
   }
 };
@@ -27,7 +27,7 @@ class RightRunner : public TaskRunner {
 // One that fails its first task, breaks down on every seventh, and waits to be cancelled where it is told to.
 class MoodyRunner : public TaskRunner {
  public:
-  TaskResult run(const Job&, const Task& task, const Image&, const std::atomic<bool>& cancel) override {
+  TaskResult run(const Job&, const Task& task, const FilterInput&, const std::atomic<bool>& cancel) override {
     const int n = calls_++;
     if (n % 7 == 0) throw std::runtime_error("a bad day");
     if (task.id == stuck) {
@@ -169,7 +169,7 @@ TEST(Worker, StopsWhenItIsRefusedAndSaysWhy) {
 
 class WrongInputRunner : public TaskRunner {
  public:
-  TaskResult run(const Job&, const Task& task, const Image&, const std::atomic<bool>&) override {
+  TaskResult run(const Job&, const Task& task, const FilterInput&, const std::atomic<bool>&) override {
     if (task.id % 2 == 0) throw InputError("scene.json:7", "no such thing", "a thing");
     throw std::bad_alloc();
   }

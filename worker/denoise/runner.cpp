@@ -11,7 +11,8 @@
 namespace tessera {
 namespace {
 
-void check(const FilterPlan& plan, const Image& input, const Tile& tile, const Region& frame) {
+void check(const FilterPlan& plan, const Image& input, const Tile& tile, const Region& frame,
+           const Image& history) {
   const Region needed = intersect(grown(tile.inner, plan.halo()), frame);
   constexpr std::int64_t kMost = std::int64_t{1} << 30;  // pixels of a plane: indices in kernels are ints
   if (tile.inner.empty() || !frame.contains(tile.inner) || tile.outer != needed || tile.outer.area() > kMost)
@@ -23,19 +24,30 @@ void check(const FilterPlan& plan, const Image& input, const Tile& tile, const R
     throw Error(ExitCode::bad_input,
                 fmt::format("filter '{}' takes {} planes over the tile's outer region; got {}", plan.name,
                             plan.inputs().size(), input.planes()));
+  if (!history.empty() && (history.planes() != plan.history() || !frame.contains(history.region())))
+    throw Error(ExitCode::bad_input, fmt::format("filter '{}' keeps a history of {} planes of the frame; got {}",
+                                                 plan.name, plan.history(), history.planes()));
+}
+
+// Planes [first, first + count) of an image.
+Image planes_of(const Image& image, int first, int count) {
+  Image part(image.region(), count);
+  std::ranges::copy(image.data().subspan(static_cast<std::size_t>(image.region().area()) * first, part.data().size()),
+                    part.data().begin());
+  return part;
 }
 
 }  // namespace
 
 Image filter(Device& device, const FilterPlan& plan, const Image& input, const Tile& tile,
-             const Region& frame) {
-  check(plan, input, tile, frame);
+             const Region& frame, const Image& history) {
+  check(plan, input, tile, frame, history);
   if (plan.passes().empty()) return cropped(input, tile.inner);
   ClDevice& cl = dynamic_cast<ClDevice&>(device);
   const std::lock_guard lock(cl.mutex());
   try {
     const Program& program = program_of(plan.name);
-    Stage stage(cl, plan, program.sources, program.options(plan), input, tile, frame);
+    Stage stage(cl, plan, program.sources, program.options(plan), input, tile, frame, history);
     program.run(stage);
     return stage.finish();
   } catch (const cl::Error& e) {
@@ -44,13 +56,20 @@ Image filter(Device& device, const FilterPlan& plan, const Image& input, const T
 }
 
 Filtered filter_task(Device& device, const FilterPlan& plan, const Image& sums, const FilmLayout& layout,
-                     const Tile& tile, const Region& frame) {
-  Filtered result(tile.inner, kFilteredPlanes);
-  auto to = result.data().begin();
+                     const Tile& tile, const Region& frame, const Image& history) {
+  Filtered result(tile.inner, filtered_planes(plan));
+  const int kept = plan.history();
+  if (!history.empty() && history.planes() != history_planes(plan))
+    throw Error(ExitCode::bad_input, fmt::format("filter task: the history has {} planes, not {}", history.planes(),
+                                                 history_planes(plan)));
   for (const Part part : {Part::all, Part::a, Part::b}) {
+    const int number = part == Part::all ? 0 : part == Part::a ? 1 : 2;
     const Image input = developed(sums, layout, plan.inputs(), part);
-    const Image output = filter(device, plan, input, tile, frame);
-    to = std::ranges::copy(output.data(), to).out;
+    const Image before = history.empty() ? Image{} : planes_of(history, number * kept, kept);
+    const Image output = filter(device, plan, input, tile, frame, before);
+    for (int p = 0; p < 3; ++p) std::ranges::copy(output.plane(p), result.plane(3 * number + p).begin());
+    for (int p = 0; p < kept; ++p)
+      std::ranges::copy(output.plane(3 + p), result.plane(kFilteredPlanes + number * kept + p).begin());
   }
   return result;
 }

@@ -10,12 +10,15 @@
 namespace tessera {
 
 // `input`: the planes of plan.inputs(), in that order, over tile.outer. `frame` is the whole
-// frame (or crop): what lies outside it is skipped by every tap. Returns RGB over tile.inner.
-Image filter(Device&, const FilterPlan&, const Image& input, const Tile& tile, const Region& frame);
+// frame (or crop): what lies outside it is skipped by every tap. `history`: plan.history() planes of the frame
+// before, over what footprint() says or more; empty: there is none, be it that this is the first frame or that
+// the shot was cut. Returns RGB over tile.inner, then the plan.history() planes that it keeps.
+Image filter(Device&, const FilterPlan&, const Image& input, const Tile& tile, const Region& frame,
+             const Image& history = {});
 
 // A whole filter task: develops the film sums over tile.outer for all samples, half A and half B and filters
-// each.
+// each with its history: history_planes(plan) planes, or empty.
 Filtered filter_task(Device&, const FilterPlan&, const Image& sums, const FilmLayout&, const Tile&,
-                     const Region& frame);
+                     const Region& frame, const Image& history = {});
 
 }  // namespace tessera

@@ -73,7 +73,8 @@ Layout::Layout(const Region& outer, int reach, int vector) {
 }
 
 Stage::Stage(ClDevice& device, const FilterPlan& plan, const std::vector<std::string_view>& sources,
-             const std::string& options, const Image& input, const Tile& tile, const Region& frame)
+             const std::string& options, const Image& input, const Tile& tile, const Region& frame,
+             const Image& history)
     : device_(device),
       plan_(plan),
       tile_(tile),
@@ -83,8 +84,11 @@ Stage::Stage(ClDevice& device, const FilterPlan& plan, const std::vector<std::st
       layout_(tile.outer, reach_of(passes_), device.vector_width()),
       program_(device.program(joined(sources), options + input_macros(plan))),
       input_(device.borrowed(input.data())),
-      result_(tile.inner, 3),
-      output_(device.borrowed(result_.data())) {}
+      result_(tile.inner, 3 + plan.history()),
+      output_(device.borrowed(result_.data())),
+      history_region_(history.region()),
+      // A kernel's argument is a buffer, though nothing of it be read.
+      history_(device.borrowed(history.empty() ? input.data().first(1) : history.data())) {}
 
 // The scratch that a filter's description states is what a tile's memory is planned by.
 void Stage::count(std::size_t floats) {

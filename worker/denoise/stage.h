@@ -42,9 +42,10 @@ struct Within {
 
 class Stage {
  public:
-  // `input`, `plan` and what `sources` view must outlive the stage. The device is locked by the caller.
+  // `input`, `history`, `plan` and what `sources` view must outlive the stage. The device is locked by the caller.
   Stage(ClDevice&, const FilterPlan&, const std::vector<std::string_view>& sources,
-        const std::string& options, const Image& input, const Tile& tile, const Region& frame);
+        const std::string& options, const Image& input, const Tile& tile, const Region& frame,
+        const Image& history);
 
   const FilterPlan& plan() const { return plan_; }
   const Region& frame() const { return frame_; }
@@ -57,7 +58,10 @@ class Stage {
 
   // Arguments of kernels.
   const cl::Buffer& input() const { return input_; }    // plan.inputs(), plane after plane over outer()
-  const cl::Buffer& output() const { return output_; }  // three planes over inner()
+  const cl::Buffer& output() const { return output_; }  // RGB, then plan.history() planes, over inner()
+  // What was kept of the frame before: planes over history_region(), which is empty if there is nothing.
+  const cl::Buffer& history() const { return history_; }
+  const Region& history_region() const { return history_region_; }
   const Layout& layout() const { return layout_; }      // stride, plane, origin
 
   // `count` planes. Their pads hold `first` in plane 0, and 0 in all others: which kernels have to leave so,
@@ -108,6 +112,8 @@ class Stage {
   cl::Buffer input_;
   Image result_;
   cl::Buffer output_;
+  Region history_region_;
+  cl::Buffer history_;
   std::deque<std::vector<cl_int>> tables_;  // borrowed by the device
   int slots_ = 0;
   double floats_ = 0;  // of workspace in use
