@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/scene/bmp_header.h"
 #include "core/scene/exr_header.h"
 #include "core/scene/files.h"
 #include "core/scene/srgb.h"
@@ -130,6 +131,18 @@ Picture decode(OIIO::ImageInput& input, const std::string& name, Encoding encodi
   return picture;
 }
 
+// Bytes to read from. A place before the first one, where files may send a reader, OpenImageIO's own class takes
+// for one after the last, and reads there.
+class Memory : public OIIO::Filesystem::IOMemReader {
+ public:
+  explicit Memory(std::string_view bytes) : IOMemReader(const_cast<char*>(bytes.data()), bytes.size()) {}
+  bool seek(std::int64_t offset) override { return offset >= 0 && IOMemReader::seek(offset); }
+  std::size_t pread(void* to, std::size_t size, std::int64_t offset) override {
+    const std::size_t most = this->size();
+    return offset < 0 ? 0 : IOMemReader::pread(to, std::min(size, most), offset);
+  }
+};
+
 OIIO::ImageSpec opening() {
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);  // colours as they are in the file, not times alpha
@@ -143,10 +156,11 @@ Picture decode_bytes(std::string_view bytes, const std::string& name, Encoding e
   if (extension.empty()) extension = extension_of(name);
   if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end())
     throw InputError(where, "this is no image we know", kFormats);
-  if ((extension == ".jpg" && !jpeg_ends(bytes)) || (extension == ".exr" && !exr_attributes_fit(bytes)))
-    throw InputError(where, "the image ends early", kFormats);
+  if ((extension == ".jpg" && !jpeg_ends(bytes)) || (extension == ".exr" && !exr_attributes_fit(bytes)) ||
+      (extension == ".bmp" && !bmp_fits(bytes)))
+    throw InputError(where, "the image ends early, or is a compressed BMP", kFormats);
   try {
-    OIIO::Filesystem::IOMemReader memory(const_cast<char*>(bytes.data()), bytes.size());
+    Memory memory(bytes);
     OIIO::ImageSpec config = opening();
     OIIO::Filesystem::IOProxy* source = &memory;
     config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &source);

@@ -57,6 +57,39 @@ TEST(Pictures, WhatIsNoImageIsRefusedWithItsNameAndTheFormats) {
   EXPECT_THAT(refusal_of(folder.path()), HasSubstr("is not a file"));
 }
 
+// Two by two pixels of 24 bits; each test spoils one number.
+std::string bitmap() {
+  std::string b = "BM";
+  const auto add = [&](std::uint32_t value, int bytes) {
+    for (int i = 0; i < bytes; ++i) b += static_cast<char>(value >> (8 * i) & 0xff);
+  };
+  add(70, 4), add(0, 4), add(54, 4);                                          // file, reserved, pixels
+  add(40, 4), add(2, 4), add(2, 4), add(1, 2), add(24, 2), add(0, 4);         // header ... compression
+  add(16, 4), add(0, 4), add(0, 4), add(0, 4), add(0, 4);                     // bytes ... colours
+  return b + std::string("\x00\x00\xff\x00\xff\x00\x00\x00", 8) + std::string(8, '\x7f');
+}
+
+TEST(Pictures, ABitmapMustHoldWhatItsHeaderPromises) {
+  const Folder folder;
+  const auto with = [&](std::size_t at, char value) {
+    std::string bytes = bitmap();
+    bytes[at] = value;
+    return refusal_of(folder.write("made.bmp", bytes));
+  };
+  EXPECT_EQ(with(0, 'B'), "read");
+  EXPECT_EQ(with(25, '\0'), "read");
+  EXPECT_THAT(with(13, '\xff'), HasSubstr("ends early")) << "pixels before the file";
+  EXPECT_THAT(with(10, '\x00'), HasSubstr("ends early")) << "pixels within the header";
+  EXPECT_THAT(with(10, '\x40'), HasSubstr("ends early")) << "pixels that begin late";
+  EXPECT_THAT(with(20, '\x70'), HasSubstr("ends early")) << "wide";
+  EXPECT_THAT(with(24, '\x70'), HasSubstr("ends early")) << "high";
+  EXPECT_THAT(with(25, '\x80'), HasSubstr("ends early")) << "of a negative height";
+  EXPECT_THAT(with(28, '\x07'), HasSubstr("ends early")) << "bits that no format has";
+  EXPECT_THAT(with(30, '\x01'), HasSubstr("compressed")) << "run lengths";
+  EXPECT_THAT(with(49, '\x10'), HasSubstr("ends early")) << "colours";
+  EXPECT_THAT(with(14, '\x09'), HasSubstr("ends early")) << "a header of no known length";
+}
+
 TEST(Pictures, AnAbsurdSizeIsRefusedBeforeMemoryIsTaken) {
   const Folder folder;
   EXPECT_THAT(refusal_of(folder.write("huge.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 16385\n")),
