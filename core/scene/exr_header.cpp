@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <optional>
 
 namespace tessera {
 namespace {
@@ -11,17 +12,33 @@ constexpr std::size_t kStart = 8;                    // the magic number and the
 constexpr unsigned char kManyParts = 0x10;           // of the version's second byte
 constexpr std::size_t kSize = sizeof(std::int32_t);  // little-endian, as this machine is
 
-// Removes a text and the 0 after it; false if there is none.
-bool skip_text(std::string_view& left) {
+// Removes a text and the 0 after it; none if there is no such end.
+std::optional<std::string_view> take_text(std::string_view& left) {
   const std::size_t end = left.find('\0');
-  if (end == left.npos) return false;
+  if (end == left.npos) return std::nullopt;
+  const std::string_view text = left.substr(0, end);
   left.remove_prefix(end + 1);
+  return text;
+}
+
+std::int64_t number_at(std::string_view bytes, std::size_t i) {
+  std::int32_t value = 0;
+  std::memcpy(&value, bytes.data() + i * sizeof value, sizeof value);
+  return value;
+}
+
+bool size_fits(std::string_view name, std::string_view value, std::int64_t most_edge) {
+  const auto fits = [&](std::int64_t edge) { return edge >= 1 && edge <= most_edge; };
+  if (name == "dataWindow" && value.size() == 4 * kSize)
+    return fits(number_at(value, 2) - number_at(value, 0) + 1) &&
+           fits(number_at(value, 3) - number_at(value, 1) + 1);
+  if (name == "tiles" && value.size() > 2 * kSize) return fits(number_at(value, 0)) && fits(number_at(value, 1));
   return true;
 }
 
 }  // namespace
 
-bool exr_attributes_fit(std::string_view bytes) {
+bool exr_header_fits(std::string_view bytes, int most_edge) {
   if (bytes.size() < kStart) return true;
   const bool many = (static_cast<unsigned char>(bytes[5]) & kManyParts) != 0;
   std::string_view left = bytes.substr(kStart);
@@ -34,11 +51,13 @@ bool exr_attributes_fit(std::string_view bytes) {
       continue;
     }
     first = false;
-    if (!skip_text(left) || !skip_text(left) || left.size() < kSize) return false;
+    const auto name = take_text(left);
+    if (!name || !take_text(left) || left.size() < kSize) return false;
     std::int32_t size = 0;
     std::memcpy(&size, left.data(), kSize);
     left.remove_prefix(kSize);
     if (size < 0 || static_cast<std::size_t>(size) > left.size()) return false;
+    if (!size_fits(*name, left.substr(0, static_cast<std::size_t>(size)), most_edge)) return false;
     left.remove_prefix(static_cast<std::size_t>(size));
   }
   return false;

@@ -41,6 +41,15 @@ bool jpeg_ends(std::string_view bytes) {
   return end != bytes.npos && (scan == bytes.npos || scan < end);
 }
 
+// What is wrong with a file that its library would trust; empty: nothing.
+std::string unsound(std::string_view extension, std::string_view bytes) {
+  if (extension == ".jpg" && !jpeg_ends(bytes)) return "the image ends early";
+  if (extension == ".bmp" && !bmp_fits(bytes)) return "the bitmap is compressed, or promises more than it holds";
+  if (extension == ".exr" && !exr_header_fits(bytes, kMaxPictureEdge))
+    return fmt::format("the image promises more than it holds, or an edge of more than {} pixels", kMaxPictureEdge);
+  return {};
+}
+
 std::string reason(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -156,9 +165,7 @@ Picture decode_bytes(std::string_view bytes, const std::string& name, Encoding e
   if (extension.empty()) extension = extension_of(name);
   if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end())
     throw InputError(where, "this is no image we know", kFormats);
-  if ((extension == ".jpg" && !jpeg_ends(bytes)) || (extension == ".exr" && !exr_attributes_fit(bytes)) ||
-      (extension == ".bmp" && !bmp_fits(bytes)))
-    throw InputError(where, "the image ends early, or is a compressed BMP", kFormats);
+  if (const auto wrong = unsound(extension, bytes); !wrong.empty()) throw InputError(where, wrong, kFormats);
   try {
     Memory memory(bytes);
     OIIO::ImageSpec config = opening();

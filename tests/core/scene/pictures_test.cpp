@@ -78,16 +78,16 @@ TEST(Pictures, ABitmapMustHoldWhatItsHeaderPromises) {
   };
   EXPECT_EQ(with(0, 'B'), "read");
   EXPECT_EQ(with(25, '\0'), "read");
-  EXPECT_THAT(with(13, '\xff'), HasSubstr("ends early")) << "pixels before the file";
-  EXPECT_THAT(with(10, '\x00'), HasSubstr("ends early")) << "pixels within the header";
-  EXPECT_THAT(with(10, '\x40'), HasSubstr("ends early")) << "pixels that begin late";
-  EXPECT_THAT(with(20, '\x70'), HasSubstr("ends early")) << "wide";
-  EXPECT_THAT(with(24, '\x70'), HasSubstr("ends early")) << "high";
-  EXPECT_THAT(with(25, '\x80'), HasSubstr("ends early")) << "of a negative height";
-  EXPECT_THAT(with(28, '\x07'), HasSubstr("ends early")) << "bits that no format has";
+  EXPECT_THAT(with(13, '\xff'), HasSubstr("promises more")) << "pixels before the file";
+  EXPECT_THAT(with(10, '\x00'), HasSubstr("promises more")) << "pixels within the header";
+  EXPECT_THAT(with(10, '\x40'), HasSubstr("promises more")) << "pixels that begin late";
+  EXPECT_THAT(with(20, '\x70'), HasSubstr("promises more")) << "wide";
+  EXPECT_THAT(with(24, '\x70'), HasSubstr("promises more")) << "high";
+  EXPECT_THAT(with(25, '\x80'), HasSubstr("promises more")) << "of a negative height";
+  EXPECT_THAT(with(28, '\x07'), HasSubstr("promises more")) << "bits that no format has";
   EXPECT_THAT(with(30, '\x01'), HasSubstr("compressed")) << "run lengths";
-  EXPECT_THAT(with(49, '\x10'), HasSubstr("ends early")) << "colours";
-  EXPECT_THAT(with(14, '\x09'), HasSubstr("ends early")) << "a header of no known length";
+  EXPECT_THAT(with(49, '\x10'), HasSubstr("promises more")) << "colours";
+  EXPECT_THAT(with(14, '\x09'), HasSubstr("promises more")) << "a header of no known length";
 }
 
 TEST(Pictures, AnAbsurdSizeIsRefusedBeforeMemoryIsTaken) {
@@ -119,9 +119,26 @@ TEST(Pictures, AnExrAttributeThatReachesBeyondTheFileIsRefused) {
   for (const std::uint32_t size : {1u, 0x7fffffffu, 0xffffffffu}) {
     std::string bytes = start;
     bytes.append(reinterpret_cast<const char*>(&size), sizeof size);
-    EXPECT_THAT(refusal_of(folder.write("note.exr", bytes)), HasSubstr("note.exr: the image ends early"))
+    EXPECT_THAT(refusal_of(folder.write("note.exr", bytes)), HasSubstr("note.exr: the image promises more"))
         << size;
   }
+}
+
+TEST(Pictures, AnExrFileWhoseRowsOrTilesWouldNotFitIsRefusedBeforeMemoryIsTaken) {
+  const Folder folder;
+  const auto with = [&](std::string_view name, std::vector<std::int32_t> numbers) {
+    std::string bytes("v/1\1\2\0\0\0", 8);
+    bytes.append(name).append("\0any\0", 5);
+    const auto size = static_cast<std::uint32_t>(numbers.size() * sizeof(std::int32_t));
+    bytes.append(reinterpret_cast<const char*>(&size), sizeof size);
+    bytes.append(reinterpret_cast<const char*>(numbers.data()), size).append(1, '\0');
+    return refusal_of(folder.write("made.exr", bytes));
+  };
+  EXPECT_THAT(with("dataWindow", {0, 0, 0x970000, 1}), HasSubstr("an edge of more than 16384"));
+  EXPECT_THAT(with("dataWindow", {INT32_MIN, 0, INT32_MAX, 1}), HasSubstr("an edge of more than 16384"));
+  EXPECT_THAT(with("dataWindow", {0, 5, 1, 3}), HasSubstr("an edge of more than 16384"));
+  EXPECT_THAT(with("tiles", {1 << 30, 16, 0}), HasSubstr("an edge of more than 16384"));
+  EXPECT_THAT(with("dataWindow", {0, 0, 16383, 1}), testing::Not(HasSubstr("an edge of more than")));
 }
 
 TEST(Pictures, OfManyRowsAreReadWholeTiledOrNot) {
