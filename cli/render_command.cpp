@@ -1,24 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// tessera render: a local farm, one frame, files.
+// tessera render: a local farm, one frame or many, files.
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
-#include <mutex>
 
+#include "cli/frame_files.h"
 #include "cli/local_farm.h"
 #include "cli/render_options.h"
+#include "cli/render_output.h"
 #include "cli/signals.h"
 #include "cli/subcommand.h"
-#include "cli/version.h"
-#include "coordinator/output.h"
+#include "cli/under_way.h"
+#include "coordinator/resume.h"
 #include "core/error.h"
-#include "core/png.h"
 #include "core/scene/facts.h"
 #include "core/scene/load.h"
+#include "core/sequence.h"
 
 namespace tessera {
 namespace {
@@ -41,162 +44,145 @@ ProgressStyle progress_style(const RenderOptions& o) {
   return usual_progress_style(isatty(STDERR_FILENO) != 0, std::getenv("OPENJD_SESSION_WORKING_DIR"));
 }
 
-fs::path output_file(const RenderOptions& o) {
-  const fs::path file =
-      o.output.empty() ? fs::path(o.scene).filename().replace_extension(".exr") : fs::path(o.output);
-  if (file.extension() != ".exr")
-    throw Error(
-        ExitCode::bad_usage,
-        fmt::format("--output: '{}' is not accepted; accepted: a name ending in .exr", file.string()));
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  if (!fs::is_directory(folder))
-    throw Error(ExitCode::bad_usage, fmt::format("--output: there is no folder '{}'", folder.string()));
-  if (access(folder.c_str(), W_OK) != 0)
-    throw Error(ExitCode::bad_usage, fmt::format("--output: cannot write into '{}'", folder.string()));
-  return file;
+fs::path output_of(const RenderOptions& o) {
+  if (!o.output.empty()) return o.output;
+  const fs::path scene = fs::path(o.scene).filename();
+  return scene.stem().string() + (o.frames.empty() ? ".exr" : ".####.exr");
 }
 
-// A frame that cannot fit is refused before anything is rendered.
-void require_memory(const Job& job) {
+// What cannot fit is refused before anything is rendered.
+void require_memory(const Job& job, std::size_t in_flight) {
   const double pages = static_cast<double>(sysconf(_SC_PHYS_PAGES)),
                page = static_cast<double>(sysconf(_SC_PAGESIZE));
-  const double needed = Frame::bytes(job), there = pages * page;
+  const double needed = Frame::bytes(job) * static_cast<double>(in_flight), there = pages * page;
   if (needed > there)
     throw Error(
         ExitCode::out_of_memory,
-        fmt::format("the frame needs {:.1f} GiB, this machine has {:.1f}; try --crop or a smaller size",
+        fmt::format("{} needs {:.1f} GiB, this machine has {:.1f}; try --crop or a smaller size",
+                    in_flight == 1 ? "the frame" : "a shot, of which two frames are worked on at a time,",
                     needed / (1u << 30), there / (1u << 30)));
 }
 
-template <typename T>
-std::vector<std::string> names_of(const std::vector<T>& things) {
-  std::vector<std::string> names;
-  for (const T& t : things) names.push_back(t.name);
-  return names;
-}
-
-// The picture with its coverage, where the scene stands before nothing.
-Image preview(const Scene& scene, const ExrImage& exr) {
-  std::vector<float> data;
-  for (const char* channel : {"R", "G", "B", "A"}) {
-    if (*channel == 'A' && scene.background.kind != Background::Kind::transparent) continue;
-    const auto plane = exr.pixels.plane(exr.plane(channel));
-    data.insert(data.end(), plane.begin(), plane.end());
+std::vector<Job> jobs_of(const RenderOptions& o, Job job, const Scene& scene) {
+  job.render.aovs = job.render.aovs | groups_of(o, scene.light_groups.size());
+  job.scene.hash = content_hash(scene);
+  SceneFacts facts = facts_of(scene);
+  std::vector<Job> jobs;
+  for (const int frame : o.frames.empty() ? std::vector{o.frame} : parse_frames(o.frames)) {
+    Job& next = jobs.emplace_back(job);
+    next.frame = facts.frame = frame;
+    next.filter = resolved(job.filter, facts);
   }
-  const int planes = static_cast<int>(data.size() / exr.pixels.plane(0).size());
-  return {exr.pixels.region(), planes, std::move(data)};
+  return jobs;
 }
 
-void write(const RenderOptions& o, const fs::path& file, const Job& job, const Scene& scene,
-           const JobReport& report) {
-  Provenance from{.version = std::string(kVersion),
-                  .device = fmt::format("{}", fmt::join(report.device_classes, "; ")),
-                  .scene_hash = job.scene.hash,
-                  .seconds = report.seconds,
-                  .light_groups = scene.light_groups,
-                  .objects = names_of(scene.objects),
-                  .materials = names_of(scene.materials),
-                  .dropped = report.dropped};
-  if (!o.layers_for.empty()) from.filter_inputs = parse_filter(o.layers_for).inputs();
-  const ExrImage image = layered(job, report.image, from);
-  write_exr(file, image, o.compression);
-  write_png(fs::path(file).replace_extension(".png"), preview(scene, image), static_cast<float>(o.exposure));
-}
-
-int exit_code(const Job& job, const JobReport& report) {
-  const StopReason why = report.image.stop.value_or(StopReason::interrupted);
-  if (why == StopReason::interrupted) return static_cast<int>(ExitCode::interrupted);
-  // Without a target there is nothing to fall short of.
-  const bool done = why == StopReason::accepted || !job.acceptance.relmse;
-  return static_cast<int>(done ? ExitCode::done : ExitCode::stopped_at_limit);
-}
-
-void summarise(const Job& job, const JobReport& report, const fs::path& file) {
-  const double samples = static_cast<double>(report.image.pixel_samples);
-  fmt::print("{}\n{:.1f} M pixel samples ({:.1f} per pixel) in {} rounds, {:.1f} s\n{}\n",
-             verdict(job, report.image), samples * 1e-6, samples / static_cast<double>(job.region().area()),
-             report.image.rounds, report.seconds, file.string());
-  if (report.dropped > 0) fmt::print("{} samples were not finite and were dropped\n", report.dropped);
-}
-
-// What signals act on: nothing that is worth writing yet, a frame under way, or files being written.
-class UnderWay {
+// Frames being rendered into files.
+class Rendering {
  public:
-  // While it lives, signals reach `coordinator`.
-  class Watch {
-   public:
-    Watch(UnderWay& under_way, Coordinator& coordinator) : under_way_(under_way) {
-      const std::lock_guard lock(under_way_.mutex_);
-      under_way_.coordinator_ = &coordinator;
-      under_way_.begun_ = true;
-    }
-    ~Watch() {
-      const std::lock_guard lock(under_way_.mutex_);
-      under_way_.coordinator_ = nullptr;
-    }
-    Watch(const Watch&) = delete;
+  Rendering(const RenderOptions& o, const FrameFiles& files, const Scene& scene, std::vector<Job> jobs)
+      : o_(o), files_(files), scene_(scene), jobs_(std::move(jobs)), keys_(image_keys(jobs_)) {
+    for (const Job& job : jobs_) require_foreign(files_.frame(job.frame), o_, scene_);
+    if (o_.frames.empty())
+      left_ = {0};
+    else
+      resume();
+    for (const std::size_t i : left_) shot_.frames.push_back(jobs_[i]);
+  }
 
-   private:
-    UnderWay& under_way_;
-  };
+  bool nothing_left() const { return left_.empty(); }
+  // How it ended. Throws what became of the frame, if it was the only one.
+  ExitCode ending() const {
+    if (failure_) std::rethrow_exception(failure_);
+    return ended_ < left_.size() ? ExitCode::interrupted : worst_;
+  }
 
-  void hear(int signal) {
-    const std::lock_guard lock(mutex_);
-    if (!begun_ && signal != SIGUSR1) _exit(static_cast<int>(ExitCode::interrupted));
-    if (coordinator_ == nullptr) return;
-    signal == SIGUSR1 ? coordinator_->request_snapshot() : coordinator_->interrupt();
+  void run(Coordinator& coordinator) {
+    const ProgressStyle style = progress_style(o_);
+    ProgressDisplay display(style, style == ProgressStyle::bar ? stderr : stdout);
+    const JobWatcher watcher{.progress = [&](const Progress& p) { display.show(p); },
+                             .interval = Millis{50},
+                             .snapshot = [&](std::size_t i, const JobReport& r) { snapshot(left_[i], r); },
+                             .finished = [&](std::size_t i, const JobReport& r) { finish(left_[i], r); }};
+    coordinator.run(shot_, watcher);
   }
 
  private:
-  std::mutex mutex_;
-  Coordinator* coordinator_ = nullptr;  // borrowed while there is a Watch
-  bool begun_ = false;
-};
-
-// What the scene was made from is not to be written over.
-void require_foreign(const fs::path& file, const RenderOptions& o, const Scene& scene) {
-  std::vector<fs::path> sources{o.scene};
-  for (const Picture& picture : scene.pictures) {
-    sources.emplace_back(picture.name);
-    for (const Picture& tile : picture.tiles) sources.emplace_back(tile.name);
+  // Leaves out what is there already.
+  void resume() {
+    std::vector<bool> done;
+    for (std::size_t i = 0; i < jobs_.size(); ++i) done.push_back(files_.holds(jobs_[i].frame, keys_[i]));
+    const Remaining r = remaining(jobs_, keys_, done, files_.kept_key());
+    left_ = r.frames;
+    for (const std::size_t i : r.from_kept)
+      if (const auto place = std::ranges::find(left_, i); place != left_.end())
+        shot_.histories[static_cast<std::size_t>(place - left_.begin())] =
+            files_.kept(keys_[i - 1], jobs_[i]);
+    if (left_.size() < jobs_.size() && !o_.quiet)
+      fmt::print("{} of {} frames are there already\n", jobs_.size() - left_.size(), jobs_.size());
   }
-  for (const char* extension : {".exr", ".png"})
-    for (const fs::path& source : sources) {
-      const fs::path target = fs::path(file).replace_extension(extension);
-      std::error_code none;
-      if (fs::equivalent(target, source, none))
-        throw Error(ExitCode::bad_usage,
-                    fmt::format("--output: '{}' is a file of the scene itself", target.string()));
-    }
-}
 
-// The frame, by a farm in this process.
-JobReport run(const RenderOptions& o, const Job& job, const Scene& scene, LocalFarm& farm,
-              UnderWay& under_way) {
-  const ProgressStyle style = progress_style(o);
-  ProgressDisplay display(style, style == ProgressStyle::bar ? stderr : stdout);
-  const JobWatcher watcher{.progress = [&](const Progress& p) { display.show(p); },
-                           .interval = Millis{50},
-                           .snapshot =
-                               [&](const JobReport& now) {
-                                 try {
-                                   write(o, output_file(o), job, scene, now);
-                                 } catch (const Error& e) {
-                                   spdlog::error("no snapshot: {}", e.what());  // the frame goes on
-                                 }
-                               }};
-  const UnderWay::Watch watch(under_way, farm.coordinator());
-  return farm.coordinator().run(job, watcher);
-}
+  void snapshot(std::size_t i, const JobReport& report) const try {
+    write_frame(o_, files_.frame(jobs_[i].frame), jobs_[i], scene_, report, "");
+  } catch (const Error& e) {
+    spdlog::error("no snapshot: {}", e.what());  // the frame goes on
+  }
+
+  // A frame that failed, or cannot be written, does not keep the others from being done.
+  void finish(std::size_t i, const JobReport& report) try {
+    ++ended_;
+    const Job& job = jobs_[i];
+    const ExitCode code = exit_code(job, report);
+    note(code);
+    if (report.failure) throw Error(code, *report.failure);
+    const fs::path file = files_.frame(job.frame);
+    const std::string key = code == ExitCode::interrupted ? "" : key_of(i, report);
+    write_frame(o_, file, job, scene_, report, key);
+    if (report.kept && !key.empty()) files_.keep(*report.kept, key);
+    if (!o_.quiet) summarise(job, report, file);
+  } catch (const Error& e) {
+    note(e.code());
+    if (jobs_.size() == 1)
+      failure_ = std::current_exception();
+    else
+      spdlog::error("frame {}: {}", jobs_[i].frame, e.what());
+  }
+
+  // Of the image as it came to be: after a frame that failed, one that goes by nothing.
+  std::string key_of(std::size_t i, const JobReport& report) const {
+    return report.continued ? keys_[i] : image_key(jobs_[i], "");
+  }
+
+  // An interruption tells more than a failure, that more than a limit.
+  void note(ExitCode code) {
+    const auto rank = [](ExitCode c) {
+      return c == ExitCode::interrupted        ? 3
+             : c == ExitCode::stopped_at_limit ? 1
+             : c == ExitCode::done             ? 0
+                                               : 2;
+    };
+    if (rank(code) > rank(worst_)) worst_ = code;
+  }
+
+  const RenderOptions& o_;
+  const FrameFiles& files_;
+  const Scene& scene_;
+  std::vector<Job> jobs_;
+  std::vector<std::string> keys_;  // of their images
+  std::vector<std::size_t> left_;  // of the jobs: still to be done
+  Shot shot_;                      // of those
+  std::size_t ended_ = 0;          // frames
+  ExitCode worst_ = ExitCode::done;
+  std::exception_ptr failure_;
+};
 
 int render_scene(const RenderOptions& o) {
   set_up_log(o);
   if (o.scene.empty())
     throw Error(ExitCode::bad_usage,
                 "render: which scene? accepted: a .json, .gltf, .glb, .obj, .fbx or .ply file");
-  Job job = job_of(o);
-  const fs::path file = output_file(o);
-  require_memory(job);
+  const Job job = job_of(o);
+  const FrameFiles files(output_of(o), !o.frames.empty());
+  require_memory(job, o.frames.empty() ? 1 : Shot{}.in_flight);
 
   UnderWay under_way;
   const Signals signals([&](int signal) { under_way.hear(signal); });
@@ -204,18 +190,15 @@ int render_scene(const RenderOptions& o) {
   for (const std::string& warning : scene->warnings) spdlog::warn("{}", warning);
   camera_index(*scene, o.camera);
   variant_of(*scene, o.variant);
-  job.render.aovs = job.render.aovs | groups_of(o, scene->light_groups.size());
-  require_foreign(file, o, *scene);
-  job.filter = resolved(std::move(job.filter), facts_of(*scene));
-  job.scene.hash = content_hash(*scene);
 
+  Rendering rendering(o, files, *scene, jobs_of(o, job, *scene));
+  if (rendering.nothing_left()) return static_cast<int>(ExitCode::done);
   LocalFarm farm(scene, o.threads.value_or(usable_threads()), o.device, {.memory = o.texture_memory << 20});
-  const JobReport report = run(o, job, *scene, farm, under_way);
-  if (report.failure)
-    throw Error(report.bad_input ? ExitCode::bad_input : ExitCode::job_failed, *report.failure);
-  write(o, file, job, *scene, report);
-  if (!o.quiet) summarise(job, report, file);
-  return exit_code(job, report);
+  {
+    const UnderWay::Watch watch(under_way, farm.coordinator());
+    rendering.run(farm.coordinator());
+  }
+  return static_cast<int>(rendering.ending());
 }
 
 }  // namespace

@@ -97,7 +97,8 @@ Region crop_region(const std::vector<double>& ndc, Size frame) {
 void describe(CLI::App& app, RenderOptions& o) {
   app.add_option("scene", o.scene, "Scene file: .json (native), .gltf, .glb, .obj, .fbx or .ply")
       ->envname("TESSERA_SCENE");
-  app.add_option("-o,--output", o.output, "EXR to write; a PNG preview goes beside it [<scene>.exr]")
+  app.add_option("-o,--output", o.output,
+                 "EXR to write, of a shot name.####.exr; a PNG preview goes beside it [<scene>.exr]")
       ->envname("TESSERA_OUTPUT");
   app.add_option(
          "--until", o.until,
@@ -120,7 +121,12 @@ void describe(CLI::App& app, RenderOptions& o) {
   app.add_option("--camera", o.camera, "Name of the camera [the scene's first]")->envname("TESSERA_CAMERA");
   app.add_option("--variant", o.variant, "Name of the material variant [none]")->envname("TESSERA_VARIANT");
   app.add_option("--seed", o.seed, "Seed of all randomness")->envname("TESSERA_SEED")->capture_default_str();
-  app.add_option("--frame", o.frame, "Frame number")->envname("TESSERA_FRAME")->capture_default_str();
+  auto* frame = app.add_option("--frame", o.frame, "Frame number");
+  frame->envname("TESSERA_FRAME")->capture_default_str();
+  app.add_option("--frames", o.frames,
+                 "Shot: 1-60, 1-100x2,150. Frames whose files are there and whole are left out")
+      ->envname("TESSERA_FRAMES")
+      ->excludes(frame);
   app.add_option("--max-bounces", o.max_bounces, "Scatterings after the first hit")
       ->envname("TESSERA_MAX_BOUNCES")
       ->capture_default_str();

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <type_traits>
-#include <unordered_map>
 
 #include "proto/clock.h"
 
@@ -19,23 +18,10 @@ double seconds_between(Instant from, Instant to) { return std::chrono::duration<
 
 }  // namespace
 
-struct Coordinator::Active {
-  Active(JobId job_id, const Job& job, Instant now) : id(job_id), started(now), frame(job) {}
-
-  JobId id;
-  Instant started;
-  Frame frame;
-  std::unordered_map<TaskId, Task> tasks;                          // not accepted yet
-  std::set<WorkerId> offered;                                      // workers that were told of the job
-  std::variant<std::monostate, RenderDone*, FilterDone*> in_hand;  // the result being decided on
-  WorkerId in_hand_from;
-  std::uint64_t dropped = 0;
-  std::set<std::string> device_classes;
-  std::optional<std::string> failure;
-  bool bad_input = false;
-
-  bool over() const { return failure.has_value() || frame.stopped(); }
-};
+Coordinator::Active::Active(JobId job_id, const Job& job, const ShotPlan::Start& start, Instant now)
+    : id(job_id), place(start.frame), started(now), frame(job, start.awaits_history) {
+  if (!start.awaits_history) frame.remember(start.history);
+}
 
 Coordinator::Coordinator(Transport& road, const CoordinatorOptions& options)
     : road_(road),
@@ -47,30 +33,73 @@ Coordinator::Coordinator(Transport& road, const CoordinatorOptions& options)
 Coordinator::~Coordinator() = default;
 
 JobReport Coordinator::run(const Job& job, const JobWatcher& watcher) {
-  validate(job);
-  const Instant start = clock_now();
-  active_ = std::make_unique<Active>(next_job_++, job, start);
-  add(active_->frame.begin(), start);
-  Instant next_progress = start;
-  while (!active_->over()) {
+  JobReport ended;
+  JobWatcher own = watcher;
+  own.finished = [&](std::size_t frame, const JobReport& report) {
+    ended = report;
+    if (watcher.finished) watcher.finished(frame, report);
+  };
+  run(Shot{{job}}, own);
+  return ended;
+}
+
+void Coordinator::run(const Shot& shot, const JobWatcher& watcher) {
+  validate(shot);
+  shot_ = ShotPlan(shot);
+  watcher_ = &watcher;
+  begun_ = clock_now();
+  Instant next_progress = begun_;
+  begin_frames(begun_);
+  while (!shot_.over()) {
     std::optional<Mail> mail = road_.receive(next_wake(clock_now()));
     const Instant now = clock_now();
     if (mail)
       hear(std::move(*mail), now);
     else
       tell(TimePassed{}, now);
-    advance(now);
-    if (watcher.progress && (now >= next_progress || active_->over())) {
-      watcher.progress(active_->frame.progress(seconds_between(start, now)));
+    for (auto& [id, active] : active_) advance(active, now);
+    const bool one_ended = std::ranges::any_of(active_, [](const auto& a) { return a.second.over(); });
+    if (watcher.progress && (now >= next_progress || one_ended)) {
+      watcher.progress(progress(now));
       next_progress = now + watcher.interval;
     }
-    if (snapshot_wanted_.exchange(false) && watcher.snapshot) watcher.snapshot(report(now));
+    if (snapshot_wanted_.exchange(false) && watcher.snapshot)
+      for (const auto& [id, active] : active_) watcher.snapshot(active.place, report(active, now));
+    if (one_ended) end_frames(now);
   }
-  const Instant end = clock_now();
-  dismiss(end);
-  JobReport ended = report(end);
-  active_.reset();
-  return ended;
+  if (watcher.progress && shot.frames.size() > 1) watcher.progress(progress(clock_now()));
+  watcher_ = nullptr;
+}
+
+void Coordinator::begin_frames(Instant now) {
+  while (const auto start = shot_.start()) {
+    const JobId id = next_job_++;
+    Active& active = active_.try_emplace(id, id, shot_.frames()[start->frame], *start, now).first->second;
+    add(active, active.frame.begin(), now);
+  }
+}
+
+void Coordinator::end_frames(Instant now) {
+  if (interrupted_) shot_.stop();
+  for (auto it = active_.begin(); it != active_.end();) {
+    if (!it->second.over()) {
+      ++it;
+      continue;
+    }
+    const auto ended = active_.extract(it++);
+    dismiss(ended.mapped(), now);
+    hand_on(ended.mapped(), now);
+  }
+  begin_frames(now);
+}
+
+// What the frame kept goes to the next one, before anybody is told: workers are not to wait for that.
+void Coordinator::hand_on(const Active& ended, Instant now) {
+  const JobReport report = Coordinator::report(ended, now);
+  if (const auto next = shot_.end(ended.place, report.kept))
+    for (auto& [id, active] : active_)
+      if (active.place == *next) add(active, active.frame.remember(report.kept), now);
+  if (watcher_->finished) watcher_->finished(ended.place, report);
 }
 
 void Coordinator::interrupt() {
@@ -126,31 +155,36 @@ void Coordinator::welcome(const WorkerId& from, const Hello& hello, Instant now)
     return;
   }
   device_classes_[from] = hello.device_class;
-  active_->offered.erase(from);
+  for (auto& [id, active] : active_) active.offered.erase(from);
   road_.send(from, Welcome{kProtocolVersion, options_.heartbeat});
   tell(Joined{from, hello.slots}, now);
 }
 
 void Coordinator::answer(const WorkerId& from, const NeedJob& need, Instant now) {
   tell(Heard{from}, now);
-  if (need.id == active_->id)
-    road_.send(from, JobOffer{need.id, active_->frame.job()});
+  if (const Active* active = active_of(need.id))
+    road_.send(from, JobOffer{need.id, active->frame.job()});
   else
     road_.send(from, JobOver{need.id});
 }
 
+Coordinator::Active* Coordinator::active_of(JobId job) {
+  const auto found = active_.find(job);
+  return found == active_.end() ? nullptr : &found->second;
+}
+
 bool Coordinator::fits(const RenderDone& result) const {
-  const auto task = active_->tasks.find(result.task);
-  if (task == active_->tasks.end()) return true;  // an old one: the scheduler drops it
+  const auto task = tasks_.find(result.task);
+  if (task == tasks_.end()) return true;  // an old one: the scheduler drops it
   const auto* work = std::get_if<RenderTask>(&task->second.work);
-  return work != nullptr && active_->frame.fits(*work, result.block);
+  return work != nullptr && active_.at(task->second.job).frame.fits(*work, result.block);
 }
 
 bool Coordinator::fits(const FilterDone& result) const {
-  const auto task = active_->tasks.find(result.task);
-  if (task == active_->tasks.end()) return true;
+  const auto task = tasks_.find(result.task);
+  if (task == tasks_.end()) return true;
   const auto* work = std::get_if<FilterTask>(&task->second.work);
-  return work != nullptr && active_->frame.fits(*work, result.filtered);
+  return work != nullptr && active_.at(task->second.job).frame.fits(*work, result.filtered);
 }
 
 template <class Result>
@@ -159,10 +193,10 @@ void Coordinator::take(const WorkerId& from, Result& result, Instant now) {
     tell(Failed{from, result.task, result.attempt, "the answer does not fit the task", false}, now);
     return;
   }
-  active_->in_hand = &result;
-  active_->in_hand_from = from;
+  in_hand_ = &result;
+  in_hand_from_ = from;
   tell(Done{from, result.task, result.attempt}, now);
-  active_->in_hand = std::monostate{};
+  in_hand_ = std::monostate{};
 }
 
 void Coordinator::tell(const Event& event, Instant now) {
@@ -171,56 +205,59 @@ void Coordinator::tell(const Event& event, Instant now) {
 }
 
 void Coordinator::carry_out(const AssignTask& c, Instant) {
-  const auto found = active_->tasks.find(c.task);
-  if (found == active_->tasks.end()) return;
-  if (active_->offered.insert(c.worker).second)
-    road_.send(c.worker, JobOffer{active_->id, active_->frame.job()});
+  const auto found = tasks_.find(c.task);
+  if (found == tasks_.end()) return;
+  Active& active = active_.at(found->second.job);
+  if (active.offered.insert(c.worker).second) road_.send(c.worker, JobOffer{active.id, active.frame.job()});
   Assign assign{found->second, c.attempt, {}};
   if (const auto* filter = std::get_if<FilterTask>(&assign.task.work))
-    assign.input = active_->frame.filter_input(*filter);
+    assign.input = active.frame.filter_input(*filter);
   road_.send(c.worker, std::move(assign));
 }
 
 void Coordinator::carry_out(const RevokeTask& c, Instant) { road_.send(c.worker, Revoke{c.task, c.attempt}); }
 
 void Coordinator::carry_out(const Accept& c, Instant now) {
-  const auto node = active_->tasks.extract(c.task);
+  const auto node = tasks_.extract(c.task);
   if (node.empty()) return;
-  active_->device_classes.insert(device_classes_[active_->in_hand_from]);
-  if (auto* render = std::get_if<RenderDone*>(&active_->in_hand)) {
-    active_->dropped += (*render)->dropped;
-    add(active_->frame.fold(std::move((*render)->block)), now);
-  } else if (auto* filter = std::get_if<FilterDone*>(&active_->in_hand)) {
-    active_->frame.stitch(std::get<FilterTask>(node.mapped().work), (*filter)->filtered);
+  Active& active = active_.at(node.mapped().job);
+  active.device_classes.insert(device_classes_[in_hand_from_]);
+  if (auto* render = std::get_if<RenderDone*>(&in_hand_)) {
+    active.dropped += (*render)->dropped;
+    add(active, active.frame.fold(std::move((*render)->block)), now);
+  } else if (auto* filter = std::get_if<FilterDone*>(&in_hand_)) {
+    active.frame.stitch(std::get<FilterTask>(node.mapped().work), (*filter)->filtered);
   }
 }
 
 void Coordinator::carry_out(const GiveUp& c, Instant) {
   spdlog::error("coordinator: task {} failed for good: {}", c.task, c.reason);
-  active_->failure = c.reason;
-  active_->bad_input = c.bad_input;
+  const auto found = tasks_.find(c.task);
+  if (found == tasks_.end()) return;
+  Active& active = active_.at(found->second.job);
+  active.failure = c.reason;
+  active.bad_input = c.bad_input;
 }
 
 void Coordinator::carry_out(const Forget& c, Instant) {
   spdlog::warn("coordinator: worker {} fell silent; its tasks go to others", c.worker);
-  active_->offered.erase(c.worker);
+  for (auto& [id, active] : active_) active.offered.erase(c.worker);
 }
 
 void Coordinator::carry_out(const AskHello& c, Instant) { road_.send(c.worker, Unknown{}); }
 
-void Coordinator::add(const std::vector<Work>& work, Instant now) {
+void Coordinator::add(Active& active, const std::vector<Work>& work, Instant now) {
   if (work.empty()) return;
-  Submitted submitted;
+  Submitted submitted{{}, static_cast<std::uint32_t>(active.place)};
   for (const Work& w : work) {
     const TaskId id = next_task_++;
-    active_->tasks.emplace(id, Task{id, active_->id, w});
-    submitted.tasks.push_back({id, active_->id});
+    tasks_.emplace(id, Task{id, active.id, w});
+    submitted.tasks.push_back({id, active.id});
   }
   tell(submitted, now);
 }
 
-void Coordinator::advance(Instant now) {
-  Active& a = *active_;
+void Coordinator::advance(Active& a, Instant now) {
   const AcceptanceRule& rule = a.frame.job().acceptance;
   const double seconds = seconds_between(a.started, now);
   if (const std::lock_guard lock(failing_); failure_) a.failure = failure_;
@@ -228,19 +265,45 @@ void Coordinator::advance(Instant now) {
   if (interrupted_) return a.frame.stop(StopReason::interrupted);
   if (rule.max_seconds && seconds >= *rule.max_seconds && a.frame.seen())
     return a.frame.stop(StopReason::max_seconds);
-  if (a.frame.round_complete()) add(a.frame.look({seconds}), now);
+  if (a.frame.round_complete()) add(a, a.frame.look({seconds}), now);
 }
 
 // The job is over: nobody need work on it any more.
-void Coordinator::dismiss(Instant now) {
-  tell(WithdrawnJob{active_->id}, now);
-  for (const WorkerId& worker : active_->offered) road_.send(worker, JobOver{active_->id});
+void Coordinator::dismiss(const Active& active, Instant now) {
+  std::erase_if(tasks_, [&](const auto& t) { return t.second.job == active.id; });
+  tell(WithdrawnJob{active.id}, now);
+  for (const WorkerId& worker : active.offered) road_.send(worker, JobOver{active.id});
 }
 
-JobReport Coordinator::report(Instant now) const {
-  const Active& a = *active_;
-  return {a.frame.image(), seconds_between(a.started, now), a.dropped, a.device_classes, a.failure,
-          a.bad_input};
+Progress Coordinator::progress(Instant now) const {
+  const int frames = static_cast<int>(shot_.frames().size());
+  Progress p{.fraction = 1};  // but for
+  if (!active_.empty()) {
+    const Active& first = active_.begin()->second;
+    p = first.frame.progress(seconds_between(first.started, now));
+    if (frames == 1) return p;
+  }
+  double whole = shot_.done();
+  for (const auto& [id, active] : active_)
+    whole += active.frame.progress(seconds_between(active.started, now)).fraction;
+  p.frames = frames;
+  p.frames_done = shot_.done();
+  p.fraction = shot_.over() ? 1 : std::min(0.999, whole / frames);
+  p.seconds = seconds_between(begun_, now);
+  if (whole > 0) p.seconds_left = p.seconds * (frames - whole) / whole;
+  return p;
+}
+
+JobReport Coordinator::report(const Active& a, Instant now) {
+  const bool keeps = !a.failure && a.frame.stopped() && a.frame.job().filter.history() > 0;
+  return {.image = a.frame.image(),
+          .seconds = seconds_between(a.started, now),
+          .dropped = a.dropped,
+          .device_classes = a.device_classes,
+          .failure = a.failure,
+          .bad_input = a.bad_input,
+          .kept = keeps ? a.frame.kept() : nullptr,
+          .continued = a.frame.continued()};
 }
 
 }  // namespace tessera

@@ -56,6 +56,7 @@ class Frame {
   // What the frame before kept; null: nothing (the shot begins here, or was cut). Once, if it was awaited.
   // Returns the filter tasks that only waited for this.
   std::vector<Work> remember(std::shared_ptr<const Image> history);
+  bool continued() const { return history_ != nullptr; }
   // What this frame keeps for the next one: history_planes() over the frame. Precondition: stopped(), and the
   // filter keeps something.
   std::shared_ptr<const Image> kept() const;

@@ -68,13 +68,14 @@ void Ledger::forget(Worker& worker) {
   workers_.erase(WorkerId(worker.id));
 }
 
-Ledger::Task& Ledger::add(TaskId id, JobId job) {
+Ledger::Task& Ledger::add(TaskId id, JobId job, std::uint32_t rank) {
+  constexpr int kWishBits = 40;  // a trillion tasks
   const auto [it, fresh] = tasks_.try_emplace(id);
   assert(fresh);
   Task& task = it->second;
   task.id = id;
   task.job = job;
-  task.wish = wishes_++;
+  task.wish = (std::uint64_t{rank} << kWishBits) + wishes_++;
   jobs_[job].insert(id);
   wait(task);
   return task;

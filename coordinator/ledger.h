@@ -83,9 +83,10 @@ class Ledger {
   const std::map<Room, Worker*>& roomy() const { return roomy_; }  // may take a task; idle ones first
 
   // Tasks.
-  Task& add(TaskId, JobId);  // waiting. Precondition: not known
-  void erase(Task&);         // Precondition: nobody holds it
-  void wait(Task&);          // back among those that wait
+  // Waiting, behind all of its rank and before those of higher ones. Precondition: not known.
+  Task& add(TaskId, JobId, std::uint32_t rank);
+  void erase(Task&);  // Precondition: nobody holds it
+  void wait(Task&);   // back among those that wait
   const WaitingTasks& fresh() const { return fresh_; }
   const WaitingTasks& retried() const { return retried_; }       // those that failed on some worker
   const LoneTasks& lone_queued() const { return lone_queued_; }  // exactly one lease, not at work yet

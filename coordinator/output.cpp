@@ -150,6 +150,7 @@ void add_metadata(ExrImage& exr, const Job& job, const FrameImage& frame, const 
   m["tessera/filter"] = to_string(job.filter);
   m["tessera/seed"] = fmt::format("{}", job.render.seed);
   m["tessera/frame"] = job.frame;
+  if (!from.key.empty()) m["tessera/job"] = from.key;
   const RenderSettings& r = job.render;
   if (!r.variant.empty()) m["tessera/variant"] = r.variant;
   if (r.clamp_direct > 0) m["tessera/clamp_direct"] = r.clamp_direct;

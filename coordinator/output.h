@@ -16,6 +16,7 @@ struct Provenance {
   double seconds = 0;
   std::vector<std::string> light_groups = {}, objects = {}, materials = {};  // names that layers speak of
   std::uint64_t dropped = 0;                                                 // samples that were not finite
+  std::string key = {};                     // of the image, see resume.h; empty: it is none to keep
   std::vector<Channel> filter_inputs = {};  // what a filter takes: written to all of their bits
 };
 

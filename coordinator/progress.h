@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a frame is, as a value to show.
+// How far a frame, or a shot, is, as a value to show.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +18,8 @@ struct Progress {
   double seconds = 0;                   // since the frame began
   double fraction = 0;                  // of the expected work, 0..1
   std::optional<double> seconds_left;   // expected
+  int frames_done = 0, frames = 1;      // of a shot; the numbers above are of the frame that ends next, but
+                                        // fraction and seconds_left, which are of the shot
 };
 
 using ProgressSink = std::function<void(const Progress&)>;

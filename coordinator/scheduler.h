@@ -56,7 +56,8 @@ struct Wish {
   JobId job = 0;
 };
 struct Submitted {
-  std::vector<Wish> tasks;  // in the order in which they are wanted, after all that came before
+  std::vector<Wish> tasks;  // in the order in which they are wanted, after all of their rank that came before
+  std::uint32_t rank = 0;   // below 2^24; the lower, the sooner
 };
 struct WithdrawnTasks {
   std::vector<TaskId> tasks;

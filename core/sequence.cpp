@@ -118,13 +118,16 @@ std::string ranges_of(const std::vector<int>& frames) {
 
 bool is_pattern(const std::filesystem::path& file) { return place_in(file.filename().native()).has_value(); }
 
-std::filesystem::path file_of(const std::filesystem::path& pattern, int frame) {
+std::filesystem::path beside(const std::filesystem::path& pattern, std::string_view text) {
   std::string name = pattern.filename().native();
   const Place place = place_in(name).value();
-  const bool negative = frame < 0;
-  name.replace(place.begin, place.size,
-               fmt::format("{}{:0{}d}", negative ? "-" : "", std::abs(frame), place.digits));
+  name.replace(place.begin, place.size, text);
   return std::filesystem::path(pattern).replace_filename(name);
+}
+
+std::filesystem::path file_of(const std::filesystem::path& pattern, int frame) {
+  const Place place = place_in(pattern.filename().native()).value();
+  return beside(pattern, fmt::format("{}{:0{}d}", frame < 0 ? "-" : "", std::abs(frame), place.digits));
 }
 
 std::vector<int> frames_there(const std::filesystem::path& pattern) {

@@ -25,6 +25,10 @@ bool is_pattern(const std::filesystem::path& file);
 // is_pattern(pattern).
 std::filesystem::path file_of(const std::filesystem::path& pattern, int frame);
 
+// The file of that name beside a pattern's frames: "shot.history.exr" for "history" and "shot.####.exr".
+// Precondition: is_pattern(pattern).
+std::filesystem::path beside(const std::filesystem::path& pattern, std::string_view name);
+
 // The frames whose files are there, ascending. Throws InputError if the folder cannot be read.
 std::vector<int> frames_there(const std::filesystem::path& pattern);
 

@@ -47,8 +47,8 @@ class StandardRunner : public TaskRunner {
     if (input.film.planes() != layout.planes())
       throw Error(ExitCode::internal_error, fmt::format("filter task: the film has {} planes, not {}",
                                                         input.film.planes(), layout.planes()));
-    return FilterDone{.filtered = filter_task(*device_, job.filter, input.film, layout, work.tile, job.region(),
-                                              input.history)};
+    return FilterDone{.filtered = filter_task(*device_, job.filter, input.film, layout, work.tile,
+                                              job.region(), input.history)};
   }
 
   SceneSource source_;

@@ -18,9 +18,9 @@ namespace tessera {
 class TaskRunner {
  public:
   virtual ~TaskRunner() = default;
-  // The result; task, attempt and seconds are filled in by others. When `cancel` becomes true it should throw,
-  // anything, and soon. Any other exception fails the task; Error(bad_input) says that no worker will ever
-  // succeed.
+  // The result; task, attempt and seconds are filled in by others. When `cancel` becomes true it should
+  // throw, anything, and soon. Any other exception fails the task; Error(bad_input) says that no worker will
+  // ever succeed.
   virtual TaskResult run(const Job& job, const Task& task, const FilterInput& input,
                          const std::atomic<bool>& cancel) = 0;
 };

@@ -72,16 +72,17 @@ Parameter sigma_x_parameter(std::string_view source) {
 }
 
 Parameter history_parameter() {
-  return {"history",
-          "whether light is accumulated over the frames of a shot, each found in the one before by its motion "
-          "vectors",
-          "",
-          "Schied et al. 2017, section 4.1; Koskela et al. 2019, section 3.2",
-          0,
-          1,
-          0,
-          true,
-          {"off", "on"}};
+  return {
+      "history",
+      "whether light is accumulated over the frames of a shot, each found in the one before by its motion "
+      "vectors",
+      "",
+      "Schied et al. 2017, section 4.1; Koskela et al. 2019, section 3.2",
+      0,
+      1,
+      0,
+      true,
+      {"off", "on"}};
 }
 
 bool with_history(const ParameterValues& values) { return values.find("history")->second == 1; }

@@ -13,8 +13,8 @@ namespace tessera {
 inline int history_planes(const FilterPlan& plan) { return 3 * plan.history(); }
 
 // A pixel seen at q = p - motion(p) one frame before takes from the pixels of [floor(q) - 1, floor(q) + 2]:
-// the four around q, or, where they are of other surfaces, the nine around the nearest one (Schied et al. 2017,
-// section 4.1).
+// the four around q, or, where they are of other surfaces, the nine around the nearest one (Schied et al.
+// 2017, section 4.1).
 inline constexpr int kTapsBefore = 1, kTapsBehind = 2;
 
 // The box of all pixels of `frame` that the pixels of `area` may take from. `motion`: planes x and y over an

@@ -35,7 +35,9 @@ Promise promise_of(std::string_view bytes, std::uint32_t header) {
   const auto bits = number_at<std::uint16_t>(bytes, 28);
   const std::uint64_t colours = number_at<std::uint32_t>(bytes, 46);
   return {number_at<std::int32_t>(bytes, 18), std::llabs(number_at<std::int32_t>(bytes, 22)), bits,
-          4 * (colours > 0 ? colours : bits <= 8 ? 1ull << bits : 0)};
+          4 * (colours > 0 ? colours
+               : bits <= 8 ? 1ull << bits
+                           : 0)};
 }
 
 bool known(std::uint64_t bits) {
@@ -50,7 +52,8 @@ bool bmp_fits(std::string_view bytes) {
   const auto header = number_at<std::uint32_t>(bytes, kFileHeader);
   if (header != kCoreHeader && (header < kInfoHeader || header > kLargestHeader)) return false;
   if (bytes.size() < kFileHeader + header) return false;
-  const std::uint32_t compression = header == kCoreHeader ? kUncompressed : number_at<std::uint32_t>(bytes, 30);
+  const std::uint32_t compression =
+      header == kCoreHeader ? kUncompressed : number_at<std::uint32_t>(bytes, 30);
   if (compression != kUncompressed && compression != kBitFields) return false;
   const Promise p = promise_of(bytes, header);
   if (!known(p.bits) || p.width < 1 || p.height < 1) return false;

@@ -6,9 +6,9 @@
 
 namespace tessera {
 
-// Whether the file holds all the pixels and colours that its header promises ("Windows Bitmap", BITMAPFILEHEADER
-// and BITMAPCOREHEADER to BITMAPV5HEADER): OpenImageIO makes room for them, and reads from where they are said
-// to be. Compressed files, which tell only while they are read, are refused.
+// Whether the file holds all the pixels and colours that its header promises ("Windows Bitmap",
+// BITMAPFILEHEADER and BITMAPCOREHEADER to BITMAPV5HEADER): OpenImageIO makes room for them, and reads from
+// where they are said to be. Compressed files, which tell only while they are read, are refused.
 bool bmp_fits(std::string_view bytes);
 
 }  // namespace tessera

@@ -32,7 +32,8 @@ bool size_fits(std::string_view name, std::string_view value, std::int64_t most_
   if (name == "dataWindow" && value.size() == 4 * kSize)
     return fits(number_at(value, 2) - number_at(value, 0) + 1) &&
            fits(number_at(value, 3) - number_at(value, 1) + 1);
-  if (name == "tiles" && value.size() > 2 * kSize) return fits(number_at(value, 0)) && fits(number_at(value, 1));
+  if (name == "tiles" && value.size() > 2 * kSize)
+    return fits(number_at(value, 0)) && fits(number_at(value, 1));
   return true;
 }
 

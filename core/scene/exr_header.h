@@ -6,10 +6,10 @@
 
 namespace tessera {
 
-// Whether every attribute of a file's headers lies in the file ("OpenEXR File Layout", Header), for OpenEXR makes
-// room for as many bytes as an attribute promises; and whether no data window or tile has an edge of more than
-// `most_edge` pixels, for it makes room for rows of them before anybody can look. Of bytes that are no OpenEXR
-// file it says nothing.
+// Whether every attribute of a file's headers lies in the file ("OpenEXR File Layout", Header), for OpenEXR
+// makes room for as many bytes as an attribute promises; and whether no data window or tile has an edge of
+// more than `most_edge` pixels, for it makes room for rows of them before anybody can look. Of bytes that are
+// no OpenEXR file it says nothing.
 bool exr_header_fits(std::string_view bytes, int most_edge);
 
 }  // namespace tessera

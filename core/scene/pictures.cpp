@@ -44,9 +44,11 @@ bool jpeg_ends(std::string_view bytes) {
 // What is wrong with a file that its library would trust; empty: nothing.
 std::string unsound(std::string_view extension, std::string_view bytes) {
   if (extension == ".jpg" && !jpeg_ends(bytes)) return "the image ends early";
-  if (extension == ".bmp" && !bmp_fits(bytes)) return "the bitmap is compressed, or promises more than it holds";
+  if (extension == ".bmp" && !bmp_fits(bytes))
+    return "the bitmap is compressed, or promises more than it holds";
   if (extension == ".exr" && !exr_header_fits(bytes, kMaxPictureEdge))
-    return fmt::format("the image promises more than it holds, or an edge of more than {} pixels", kMaxPictureEdge);
+    return fmt::format("the image promises more than it holds, or an edge of more than {} pixels",
+                       kMaxPictureEdge);
   return {};
 }
 
@@ -140,8 +142,8 @@ Picture decode(OIIO::ImageInput& input, const std::string& name, Encoding encodi
   return picture;
 }
 
-// Bytes to read from. A place before the first one, where files may send a reader, OpenImageIO's own class takes
-// for one after the last, and reads there.
+// Bytes to read from. A place before the first one, where files may send a reader, OpenImageIO's own class
+// takes for one after the last, and reads there.
 class Memory : public OIIO::Filesystem::IOMemReader {
  public:
   explicit Memory(std::string_view bytes) : IOMemReader(const_cast<char*>(bytes.data()), bytes.size()) {}

@@ -84,7 +84,7 @@ FrameImage worked_off(const Job& job, unsigned seed, float noise = 0.6f) {
         add(frame.fold(rendered(*render, frame.layout(), noise)));
       else
         frame.stitch(std::get<FilterTask>(work),
-                     filtered(std::get<FilterTask>(work), frame.filter_input(std::get<FilterTask>(work)),
+                     filtered(std::get<FilterTask>(work), frame.filter_input(std::get<FilterTask>(work)).film,
                               frame.layout()));
     }
     if (frame.round_complete()) {

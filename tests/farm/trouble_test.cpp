@@ -136,7 +136,7 @@ TEST(Trouble, ASnapshotShowsTheFrameAndTheJobGoesOn) {
   watcher.progress = [&, asked = false](const Progress& p) mutable {
     if (p.samples_done > 0 && !std::exchange(asked, true)) farm.coordinator.request_snapshot();
   };
-  watcher.snapshot = [&](const JobReport& report) {
+  watcher.snapshot = [&](std::size_t, const JobReport& report) {
     ++snapshots;
     EXPECT_GT(report.image.pixel_samples, 0);
   };

@@ -66,6 +66,22 @@ TEST(Codec, EveryFieldOfATaskTravels) {
   EXPECT_TRUE(same_bits(b.input.film, counting_image(outer, 4)));
 }
 
+TEST(Codec, AHistoryTravelsBehindTheFilm) {
+  const Region inner{64, 128, 67, 133}, outer{60, 120, 72, 140}, seen{50, 121, 66, 141};
+  const Assign sent{
+      {6, 77, FilterTask{{inner, outer}, 3}}, 1, {counting_image(outer, 4), counting_image(seen, 6)}};
+  const Assign a = std::get<Assign>(round_trip(Assign(sent)));
+  EXPECT_TRUE(same_bits(a.input.film, counting_image(outer, 4)));
+  EXPECT_TRUE(same_bits(a.input.history, counting_image(seen, 6)));
+  Packet packet = encode(Assign(sent));
+  packet.pixels.pop_back();
+  EXPECT_THAT(complaint(packet), StartsWith("message: input")) << "what is left for the film is too little";
+  packet.pixels.resize(100);
+  EXPECT_THAT(complaint(packet), StartsWith("message: history"));
+  packet.pixels.clear();
+  EXPECT_THAT(complaint(packet), StartsWith("message: input"));
+}
+
 TEST(Codec, EveryFieldOfAnAnswerTravels) {
   const Region region{64, 128, 67, 133};
   const auto r =

@@ -47,6 +47,8 @@ inline std::vector<Message> sample_messages() {
   all.push_back(JobOffer{77, sample_job()});
   all.push_back(Assign{{5, 77, RenderTask{region, {0, 8}}}, 2, {}});
   all.push_back(Assign{{6, 77, FilterTask{{region, outer}, 3}}, 1, counting_image(outer, 4)});
+  all.push_back(Assign{
+      {7, 77, FilterTask{{region, outer}, 3}}, 1, {counting_image(outer, 4), counting_image(region, 6)}});
   all.push_back(Revoke{5, 2});
   all.push_back(JobOver{77});
   all.push_back(Unknown{});

@@ -25,15 +25,17 @@ void check(const FilterPlan& plan, const Image& input, const Tile& tile, const R
                 fmt::format("filter '{}' takes {} planes over the tile's outer region; got {}", plan.name,
                             plan.inputs().size(), input.planes()));
   if (!history.empty() && (history.planes() != plan.history() || !frame.contains(history.region())))
-    throw Error(ExitCode::bad_input, fmt::format("filter '{}' keeps a history of {} planes of the frame; got {}",
-                                                 plan.name, plan.history(), history.planes()));
+    throw Error(ExitCode::bad_input,
+                fmt::format("filter '{}' keeps a history of {} planes of the frame; got {}", plan.name,
+                            plan.history(), history.planes()));
 }
 
 // Planes [first, first + count) of an image.
 Image planes_of(const Image& image, int first, int count) {
   Image part(image.region(), count);
-  std::ranges::copy(image.data().subspan(static_cast<std::size_t>(image.region().area()) * first, part.data().size()),
-                    part.data().begin());
+  std::ranges::copy(
+      image.data().subspan(static_cast<std::size_t>(image.region().area()) * first, part.data().size()),
+      part.data().begin());
   return part;
 }
 
@@ -60,8 +62,8 @@ Filtered filter_task(Device& device, const FilterPlan& plan, const Image& sums, 
   Filtered result(tile.inner, filtered_planes(plan));
   const int kept = plan.history();
   if (!history.empty() && history.planes() != history_planes(plan))
-    throw Error(ExitCode::bad_input, fmt::format("filter task: the history has {} planes, not {}", history.planes(),
-                                                 history_planes(plan)));
+    throw Error(ExitCode::bad_input, fmt::format("filter task: the history has {} planes, not {}",
+                                                 history.planes(), history_planes(plan)));
   for (const Part part : {Part::all, Part::a, Part::b}) {
     const int number = part == Part::all ? 0 : part == Part::a ? 1 : 2;
     const Image input = developed(sums, layout, plan.inputs(), part);

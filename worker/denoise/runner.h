@@ -10,9 +10,9 @@
 namespace tessera {
 
 // `input`: the planes of plan.inputs(), in that order, over tile.outer. `frame` is the whole
-// frame (or crop): what lies outside it is skipped by every tap. `history`: plan.history() planes of the frame
-// before, over what footprint() says or more; empty: there is none, be it that this is the first frame or that
-// the shot was cut. Returns RGB over tile.inner, then the plan.history() planes that it keeps.
+// frame (or crop): what lies outside it is skipped by every tap. `history`: plan.history() planes of the
+// frame before, over what footprint() says or more; empty: there is none, be it that this is the first frame
+// or that the shot was cut. Returns RGB over tile.inner, then the plan.history() planes that it keeps.
 Image filter(Device&, const FilterPlan&, const Image& input, const Tile& tile, const Region& frame,
              const Image& history = {});
 

@@ -42,7 +42,8 @@ struct Within {
 
 class Stage {
  public:
-  // `input`, `history`, `plan` and what `sources` view must outlive the stage. The device is locked by the caller.
+  // `input`, `history`, `plan` and what `sources` view must outlive the stage. The device is locked by the
+  // caller.
   Stage(ClDevice&, const FilterPlan&, const std::vector<std::string_view>& sources,
         const std::string& options, const Image& input, const Tile& tile, const Region& frame,
         const Image& history);
@@ -62,7 +63,7 @@ class Stage {
   // What was kept of the frame before: planes over history_region(), which is empty if there is nothing.
   const cl::Buffer& history() const { return history_; }
   const Region& history_region() const { return history_region_; }
-  const Layout& layout() const { return layout_; }      // stride, plane, origin
+  const Layout& layout() const { return layout_; }  // stride, plane, origin
 
   // `count` planes. Their pads hold `first` in plane 0, and 0 in all others: which kernels have to leave so,
   // for the pads are filled only when they do not hold that already.

@@ -63,9 +63,9 @@ std::string bitmap() {
   const auto add = [&](std::uint32_t value, int bytes) {
     for (int i = 0; i < bytes; ++i) b += static_cast<char>(value >> (8 * i) & 0xff);
   };
-  add(70, 4), add(0, 4), add(54, 4);                                          // file, reserved, pixels
-  add(40, 4), add(2, 4), add(2, 4), add(1, 2), add(24, 2), add(0, 4);         // header ... compression
-  add(16, 4), add(0, 4), add(0, 4), add(0, 4), add(0, 4);                     // bytes ... colours
+  add(70, 4), add(0, 4), add(54, 4);                                   // file, reserved, pixels
+  add(40, 4), add(2, 4), add(2, 4), add(1, 2), add(24, 2), add(0, 4);  // header ... compression
+  add(16, 4), add(0, 4), add(0, 4), add(0, 4), add(0, 4);              // bytes ... colours
   return b + std::string("\x00\x00\xff\x00\xff\x00\x00\x00", 8) + std::string(8, '\x7f');
 }
 
