@@ -12,8 +12,9 @@
 #include <fstream>
 #include <optional>
 
+#include "bench/judging/sheet.h"
+#include "bench/judging/trial.h"
 #include "bench/quality/scores.h"
-#include "bench/quality/trial.h"
 #include "core/error.h"
 #include "core/png.h"
 #include "scenes/trials.h"
@@ -78,38 +79,12 @@ Filtering run(Device& device, const FilterPlan& plan, const Image& input) {
   return f;
 }
 
-AovSet aovs_for(const std::vector<std::string>& texts) {
-  AovSet all{Aov::color};
-  for (const std::string& text : texts) all = all | aovs_of(parse_filter(text).inputs());
-  return all;
-}
-
-// Six pictures to a row.
-Image sheet(const std::vector<Image>& pictures) {
-  constexpr std::size_t kColumns = 6;
-  std::vector<Image> rows;
-  for (std::size_t i = 0; i < pictures.size(); i += kColumns) {
-    std::vector<Image> row(
-        pictures.begin() + static_cast<std::ptrdiff_t>(i),
-        pictures.begin() + static_cast<std::ptrdiff_t>(std::min(i + kColumns, pictures.size())));
-    while (row.size() < kColumns) row.emplace_back(pictures[0].region(), 3, 1.0f);
-    rows.push_back(side_by_side(row));
-  }
-  const Region r = rows[0].region();
-  Image whole({0, 0, r.width(), (r.height() + 4) * static_cast<int>(rows.size()) - 4}, 3, 1.0f);
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    for (int c = 0; c < 3; ++c)
-      for (int y = 0; y < r.height(); ++y)
-        std::ranges::copy(rows[i].row(c, y),
-                          whole.row(c, y + static_cast<int>(i) * (r.height() + 4)).begin());
-  return whole;
-}
-
 constexpr int kShown = 16;  // samples of the sheet's pictures; 8 where a filter takes no more
 
 void judge(const Options& o, const std::string& name, Device& device, std::vector<Scores>& all) {
-  Trial trial(o.out / "scenes" / (name + ".json"), {o.size, o.size}, aovs_for(o.filters));
-  const Reference reference = reference_of(trial, o.reference, o.out / "references");
+  judging::Shot shot(o.out / "scenes" / (name + ".json"), {o.size, o.size});
+  judging::Trial trial = shot.trial(judging::aovs_for(o.filters));
+  const judging::Reference reference = reference_of(trial, o.reference, o.out / "references");
   std::vector<Image> pictures{reference.mean};
   std::vector<std::string> shown{"reference"};
   for (const int samples : o.samples) {
@@ -132,7 +107,7 @@ void judge(const Options& o, const std::string& name, Device& device, std::vecto
     fmt::print("{}: {} samples\n", name, samples);
     std::fflush(stdout);
   }
-  write_png(o.out / (name + ".png"), sheet(pictures));
+  write_png(o.out / (name + ".png"), judging::in_rows(pictures, 6));
   std::ofstream(o.out / (name + ".txt")) << fmt::format("{}\n", fmt::join(shown, "\n"));
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include "bench/judging/table.h"
 #include "bench/quality/scores.h"
 
 namespace tessera::quality {
@@ -53,26 +54,10 @@ class Report {
     text_ += fmt::format(format, std::forward<T>(values)...);
   }
 
-  // A table of `value` for each filter and each of `columns`; empty where there is no score.
   template <typename Column, typename Value>
   void table(std::string_view corner, const std::vector<std::string>& rows,
              const std::vector<Column>& columns, const Value& value) {
-    say("| {} |", corner);
-    for (const Column& c : columns) say(" {} |", c);
-    say("\n|---|");
-    for (std::size_t i = 0; i < columns.size(); ++i) say("---|");
-    say("\n");
-    for (const std::string& row : rows) {
-      std::string line = fmt::format("| `{}` |", row);
-      bool any = false;
-      for (const Column& c : columns) {
-        const std::optional<std::string> cell = value(row, c);
-        any |= cell.has_value();
-        line += fmt::format(" {} |", cell.value_or(""));
-      }
-      if (any) say("{}\n", line);
-    }
-    say("\n");
+    text_ += judging::table(corner, rows, columns, value);
   }
 
   // The geometric mean over the scenes of relMSE over the noisy picture's.

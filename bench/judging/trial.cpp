@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/quality/trial.h"
+#include "bench/judging/trial.h"
 
 #include <fmt/format.h>
 
@@ -11,14 +11,15 @@
 #include "core/scene/facts.h"
 #include "core/scene/load.h"
 
-namespace tessera::quality {
+namespace tessera::judging {
 namespace {
 
 constexpr std::uint64_t kTrialSeed = 1, kReferenceSeed = 0x5eed;
 constexpr int kLargestTask = 64;  // samples: bounds what a cell's block holds before it is folded
 
 // Renders [samples) of the whole frame on all processors, cell by cell.
-void render_into(Film& film, const RenderScene& scene, const RenderSettings& settings, SampleRange samples) {
+void render_into(Film& film, const RenderScene& scene, const RenderSettings& settings, int number,
+                 SampleRange samples) {
   const std::vector<Region> cells = grid_cells(film.region(), {kCellEdge, kCellEdge});
   std::atomic<std::size_t> next = 0;
   std::mutex folding;
@@ -28,30 +29,34 @@ void render_into(Film& film, const RenderScene& scene, const RenderSettings& set
       for (std::size_t i; (i = next++) < cells.size();)
         for (int begin = samples.begin; begin < samples.end; begin += kLargestTask) {
           Block block =
-              render(scene, settings, 0, cells[i], {begin, std::min(samples.end, begin + kLargestTask)});
+              render(scene, settings, number, cells[i], {begin, std::min(samples.end, begin + kLargestTask)});
           const std::lock_guard lock(folding);
           film.fold(std::move(block));
         }
     });
 }
 
-void render_up_to(Film& film, const RenderScene& scene, const RenderSettings& settings, int samples) {
+void render_up_to(Film& film, const RenderScene& scene, const RenderSettings& settings, int number,
+                  int samples) {
   for (int have = film.samples(film.region().x0, film.region().y0); have < samples;) {
     const int next = have == 0 ? 1 : 2 * have;
-    render_into(film, scene, settings, {have, next});
+    render_into(film, scene, settings, number, {have, next});
     have = next;
   }
 }
 
+constexpr const char* kLayers[] = {"", "variance.", "a.", "b."};
+
 ExrImage file_of(const Reference& r) {
   ExrImage file;
   file.display = r.mean.region();
-  std::vector<float> data(r.mean.data().begin(), r.mean.data().end());
-  data.insert(data.end(), r.variance.data().begin(), r.variance.data().end());
-  for (const char* layer : {"", "variance."})
+  std::vector<float> data;
+  for (const Image* image : {&r.mean, &r.variance, &r.a, &r.b})
+    data.insert(data.end(), image->data().begin(), image->data().end());
+  for (const char* layer : kLayers)
     for (const char letter : std::string_view("RGB"))
       file.channels.push_back({std::string(layer) + letter, false});
-  file.pixels = Image(file.display, 6, std::move(data));
+  file.pixels = Image(file.display, 3 * static_cast<int>(std::size(kLayers)), std::move(data));
   return file;
 }
 
@@ -64,15 +69,17 @@ Image layer_of(const ExrImage& file, const std::string& layer) {
 
 }  // namespace
 
-Trial::Trial(const std::filesystem::path& scene, Size size, AovSet aovs)
-    : scene_(std::make_shared<const Scene>(load_scene(scene))),
-      ready_(prepare(scene_)),
+Trial::Trial(Scenery scenery, Size size, AovSet aovs, int number)
+    : scenery_(std::move(scenery)),
       frame_{0, 0, size.width, size.height},
+      number_(number),
       settings_{.size = size, .seed = kTrialSeed, .aovs = aovs},
-      facts_(facts_of(*scene_)),
-      film_(frame_, aovs) {}
+      facts_(facts_of(*scenery_.scene)),
+      film_(frame_, aovs) {
+  facts_.frame = number;
+}
 
-void Trial::render_to(int samples) { render_up_to(film_, *ready_, settings_, samples); }
+void Trial::render_to(int samples) { render_up_to(film_, *scenery_.ready, settings_, number_, samples); }
 
 Image Trial::input(const FilterPlan& plan) const {
   return developed(film_.sums(), film_.layout(), plan.inputs(), Part::all);
@@ -82,26 +89,46 @@ Image Trial::noisy() const {
   return developed(film_.sums(), film_.layout(), channels_of(Aov::color), Part::all);
 }
 
+AovSet aovs_for(const std::vector<std::string>& filters) {
+  AovSet all{Aov::color};
+  for (const std::string& text : filters) all = all | aovs_of(parse_filter(text).inputs());
+  return all;
+}
+
+Shot::Shot(const std::filesystem::path& scene, Size size) : size_(size) {
+  scenery_.scene = std::make_shared<const Scene>(load_scene(scene));
+  scenery_.hash = content_hash(*scenery_.scene).substr(0, 16);
+}
+
+Trial Shot::trial(AovSet aovs, int number) {
+  const std::string wanted = preparation(*scenery_.scene, {}, number);
+  if (!scenery_.ready || wanted != prepared_) scenery_.ready = prepare(scenery_.scene, {}, number);
+  prepared_ = wanted;
+  return {scenery_, size_, aovs, number};
+}
+
 Reference reference_of(const Trial& trial, int samples, const std::filesystem::path& folder) {
   const Size size = trial.settings_.size;
-  const auto file = folder / fmt::format("{}_{}x{}_{}.exr", content_hash(*trial.scene_).substr(0, 16),
+  const auto file = folder / fmt::format("{}_{:04}_{}x{}_{}.exr", trial.scenery_.hash, trial.number_,
                                          size.width, size.height, samples);
   if (std::filesystem::exists(file)) {
     const ExrImage there = read_exr(file);
-    return {layer_of(there, ""), layer_of(there, "variance.")};
+    return {layer_of(there, kLayers[0]), layer_of(there, kLayers[1]), layer_of(there, kLayers[2]),
+            layer_of(there, kLayers[3])};
   }
   RenderSettings settings = trial.settings_;
   settings.seed = kReferenceSeed;
   settings.aovs = AovSet{Aov::color};
   Film film(trial.frame_, settings.aovs);
-  render_up_to(film, *trial.ready_, settings, samples);
-  const auto image = [&](Statistic s) {
-    return developed(film.sums(), film.layout(), channels_of(Aov::color, s), Part::all);
+  render_up_to(film, *trial.scenery_.ready, settings, trial.number_, samples);
+  const auto image = [&](Statistic s, Part part) {
+    return developed(film.sums(), film.layout(), channels_of(Aov::color, s), part);
   };
-  Reference reference{image(Statistic::mean), image(Statistic::variance_of_mean)};
+  Reference reference{image(Statistic::mean, Part::all), image(Statistic::variance_of_mean, Part::all),
+                      image(Statistic::mean, Part::a), image(Statistic::mean, Part::b)};
   std::filesystem::create_directories(folder);
   write_exr(file, file_of(reference));
   return reference;
 }
 
-}  // namespace tessera::quality
+}  // namespace tessera::judging
