@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The edge-avoiding a-trous wavelet transform of Dammertz et al. 2010 (EAW).
+// The edge-avoiding a-trous wavelet transform of Dammertz et al. 2010 (EAW); with history what Schied et al.
+// 2017 compare with: light is accumulated over frames before.
 #include "core/filter/descriptions.h"
 
 namespace tessera {
@@ -12,18 +13,29 @@ std::vector<Parameter> parameters() {
        "radiance", "Dammertz et al. 2010, equation 4 (sigma_rt)", 1e-4, 1e4, 1.0},
       sigma_n_parameter("Dammertz et al. 2010, equation 4 (sigma_n)"),
       sigma_x_parameter("Dammertz et al. 2010, equation 4 (sigma_x), made independent of the scene's scale"),
+      history_parameter(),
+      alpha_parameter("alpha", "weight of a frame's light in its accumulation over frames"),
+      average_parameter(),
   };
 }
 
-std::vector<Channel> inputs(const ParameterValues&) {
+constexpr int kLight = 3;
+
+int history(const ParameterValues& values) { return with_history(values) ? kLight + kTracePlanes : 0; }
+
+std::vector<Channel> inputs(const ParameterValues& values) {
   std::vector<Channel> all;
   append(all, {Aov::color, Aov::emission, Aov::albedo, Aov::normal, Aov::position, Aov::depth});
+  append_trace(all, values);
   return all;
 }
 
 std::vector<Pass> passes(const ParameterValues& values) {
   constexpr double kTap = 9 + 15 + 6 + kExpFlops + 1 + 7;  // differences, squares, exponent, weight, sums
   std::vector<Pass> all;
+  constexpr double kSignal = 3 + 3, kGuides = 1 + 1;  // both ways; validity, depth
+  if (with_history(values))
+    all.push_back(accumulation("atrous_accumulate", kLight, kSignal + kGuides + kLight + kTracePlanes));
   append_levels(all, {.kernel = "atrous_level", .flops = 24 * kTap + 4 * 8 + 20, .floats = 6 + 3 + 3},
                 static_cast<int>(values.find("levels")->second));
   return all;
@@ -40,7 +52,8 @@ FilterDescription describe_atrous() {
           .parameters = parameters(),
           .inputs = inputs,
           .passes = passes,
-          .scratch = [](const ParameterValues&) { return 6.0 + 2 * 3; }};
+          .scratch = [](const ParameterValues&) { return 6.0 + 2 * 3; },
+          .history = history};
 }
 
 }  // namespace tessera

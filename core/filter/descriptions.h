@@ -56,6 +56,18 @@ double window_scratch(int planes);
 // The parameter `history`: whether a filter goes by the frame before. What it then keeps, see history.h.
 Parameter history_parameter();
 bool with_history(const ParameterValues&);
+// And what weighs in an accumulation over frames: `alpha`, `average`.
+Parameter alpha_parameter(std::string_view name, std::string_view meaning);
+Parameter average_parameter();
+// What tells where a surface was one frame before, and that it is the same one: appended, if there is a
+// history.
+void append_trace(std::vector<Channel>& to, const ParameterValues&);
+// Planes that a history has beside what it accumulates: its length, and what the next frame's test compares
+// (worker/denoise/kernels/history.cl).
+inline constexpr int kTracePlanes = 1 + 5;
+// The pass that accumulates `planes` over frames. `own`: floats that it reads and writes of the filter's
+// planes.
+Pass accumulation(std::string_view kernel, int planes, double own);
 
 // The parameter `diameter` of filters that measure depth in tenths of the scene's diameter.
 Parameter diameter_parameter();

@@ -85,6 +85,40 @@ Parameter history_parameter() {
       {"off", "on"}};
 }
 
+Parameter alpha_parameter(std::string_view name, std::string_view meaning) {
+  return {name, meaning, "1", "Schied et al. 2017, section 4.1", 0.01, 1, 0.2};
+}
+
+Parameter average_parameter() {
+  return {
+      "average",
+      "how a history shorter than 1 / alpha frames is averaged: plain, each of its frames weighing the same; "
+      "or exponential, alpha from the second frame on",
+      "",
+      "plain: Koskela et al. 2019, section 3.2; exponential: Schied et al. 2017, section 4.1",
+      0,
+      1,
+      0,
+      true,
+      {"plain", "exponential"}};
+}
+
+void append_trace(std::vector<Channel>& to, const ParameterValues& values) {
+  if (with_history(values))
+    append(to,
+           {Aov::motion, Aov::previous_depth, Aov::geometric_normal, Aov::object_id, Aov::depth_gradient});
+}
+
+Pass accumulation(std::string_view kernel, int planes, double own) {
+  constexpr double kTest = 6 + 9 + 3, kTap = 4 * 3,
+                   kFrame = 60;  // surfaces, coordinates and weight, the rest
+  const int history = planes + kTracePlanes;
+  constexpr double kTraceInputs = 9;
+  return {.kernel = kernel,
+          .flops = 4 * (kTest + kTap + 4.0 * (planes + 1)) + kFrame,
+          .floats = history + kTraceInputs + own};
+}
+
 bool with_history(const ParameterValues& values) { return values.find("history")->second == 1; }
 
 int halo(std::span<const Pass> passes) {

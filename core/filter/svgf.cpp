@@ -1,12 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Variance-guided filtering of Schied et al. 2017 (SVGF) in its single-frame form: no history, so the
-// variance comes from the picture or from the renderer's samples.
+// Variance-guided filtering of Schied et al. 2017 (SVGF): of single frames, whose variance comes from the
+// picture or from the renderer's samples, or with its history.
 #include "core/filter/descriptions.h"
 
 namespace tessera {
 namespace {
 
 constexpr double from_picture = 0, from_samples = 1;  // choices of `variance`
+
+// What is known of the luminances' variances is kept too: two moments each, or how large they are.
+int kept_statistics(const ParameterValues& values) {
+  return values.find("variance")->second == from_picture ? 4 : 2;
+}
+
+int history(const ParameterValues& values) {
+  return with_history(values) ? 6 + kept_statistics(values) + kTracePlanes : 0;
+}
 
 std::vector<Parameter> parameters() {
   return {
@@ -25,22 +34,38 @@ std::vector<Parameter> parameters() {
       {"sigma_l", "luminance difference that stops the filter, in standard deviations", "1",
        "Schied et al. 2017, equation 5 and section 4.4", 0.01, 1000, 4.0},
       {"variance",
-       "where the variance comes from: the 7x7 neighbourhood, or the renderer's samples smoothed over it",
+       "where the variance comes from. spatial: from the 7x7 neighbourhood; with history, where that is at "
+       "least 4 "
+       "frames long, from its frames. samples: from the renderer's samples; with history, as much of it as "
+       "averaging "
+       "the frames leaves; smoothed over 7x7 pixels",
        "",
-       "Schied et al. 2017, section 4.2; its section 6 advises a conventional variance at higher sample "
-       "counts",
+       "spatial: Schied et al. 2017, section 4.2; samples: its section 5.6 advises a conventional variance "
+       "at higher "
+       "sample counts",
        from_picture,
        from_samples,
        from_samples,
        true,
        {"spatial", "samples"}},
+      history_parameter(),
+      alpha_parameter("alpha", "weight of a frame's light in its accumulation over frames"),
+      alpha_parameter("alpha_moments",
+                      "weight of a frame in the accumulation of luminance's moments "
+                      "(variance=spatial)"),
+      average_parameter(),
+      {"feedback",
+       "after how many levels the light is kept for the next frame; 0: as it was accumulated; at most all "
+       "levels",
+       "levels", "Schied et al. 2017, section 4.3", 0, 5, 1, true},
   };
 }
 
-std::vector<Channel> inputs(const ParameterValues&) {
+std::vector<Channel> inputs(const ParameterValues& values) {
   std::vector<Channel> all;
   append(all, {Aov::direct, Aov::indirect, Aov::emission, Aov::albedo, Aov::normal, Aov::depth});
   append(all, {Aov::direct, Aov::indirect}, Statistic::variance_of_mean);
+  append_trace(all, values);
   return all;
 }
 
@@ -50,6 +75,13 @@ std::vector<Pass> passes(const ParameterValues& values) {
   constexpr double kLightTap = 3 + 5 + 3 + kExpFlops + 1 + 1 + 6 + 3;  // differences, luminance, weight, sums
   constexpr double kFloats = 4 + 8 + 8;
   std::vector<Pass> all;
+  if (with_history(values)) {
+    const int statistics = kept_statistics(values);
+    constexpr double kSignal = 8 + 8,
+                     kGuides = 1 + 1 + 1;  // both ways; validity, depth, the history's length
+    all.push_back(
+        accumulation("svgf_accumulate", 6 + statistics, kSignal + kGuides + statistics + kTracePlanes));
+  }
   if (values.find("variance")->second == from_picture)
     all.push_back(
         {"svgf_variance_spatial", 1, 3, 48 * (kGeometry + kChord + kExpFlops + 2 + 2 * 17) + 40, kFloats});
@@ -67,12 +99,14 @@ std::vector<Pass> passes(const ParameterValues& values) {
 
 FilterDescription describe_svgf() {
   return {.name = "svgf",
-          .summary = "five variance-guided a-trous levels; direct and indirect light apart",
+          .summary =
+              "five variance-guided a-trous levels; direct and indirect light apart; accumulates over frames",
           .source = "C. Schied et al.: Spatiotemporal Variance-Guided Filtering, HPG 2017",
           .parameters = parameters(),
           .inputs = inputs,
           .passes = passes,
-          .scratch = [](const ParameterValues&) { return 4.0 + 2 * 8; }};
+          .scratch = [](const ParameterValues& values) { return 4.0 + with_history(values) + 2 * 8; },
+          .history = history};
 }
 
 }  // namespace tessera

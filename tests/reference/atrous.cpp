@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/reference/history.h"
 #include "tests/reference/surface.h"
 
 namespace tessera::reference {
@@ -43,9 +44,30 @@ Plane level(const FilterPlan& plan, const Features& f, const Plane& from, int st
   return to;
 }
 
+constexpr int kLength = 3;  // plane of the history
+
+void accumulate(const FilterPlan& plan, const Features& f, Plane& light, const Image& history, Image& out) {
+  each_valid(f, [&](int x, int y) {
+    const auto pixels = past_pixels(f, history.region(), x, y, [&](int qx, int qy) {
+      bool fit = plausible_length(history.at(kLength, qx, qy)) > 0;
+      for (int k = 0; k < 3; ++k) fit &= std::abs(history.at(k, qx, qy)) <= 1e32f;
+      return fit && same_surface(f, x, y, history, kLength + 1, qx, qy);
+    });
+    const double length = history_length(history, kLength, pixels), a = weight_of_now(plan, "alpha", length);
+    Rgb& now = light[f.index(x, y)];
+    for (int k = 0; k < 3; ++k) {
+      now[k] = a * now[k] + (1 - a) * mean_of_plane(pixels, history, k);
+      out.at(3 + k, x, y) = static_cast<float>(now[k]);
+    }
+    out.at(3 + kLength, x, y) = static_cast<float>(length);
+    const std::vector<double> shown = trace(f, x, y);
+    for (int k = 0; k < 5; ++k) out.at(3 + kLength + 1 + k, x, y) = static_cast<float>(shown[k]);
+  });
+}
+
 }  // namespace
 
-Image atrous(const FilterPlan& plan, const Image& input) {
+Image atrous(const FilterPlan& plan, const Image& input, const Image& history) {
   const Features f(plan, input);
   const Region& r = input.region();
   Plane light(static_cast<std::size_t>(r.area()));
@@ -56,8 +78,10 @@ Image atrous(const FilterPlan& plan, const Image& input) {
       const Rgb albedo = floored(f.rgb(Aov::albedo, x, y));
       light[f.index(x, y)] = {lit[0] / albedo[0], lit[1] / albedo[1], lit[2] / albedo[2]};
     }
-  for (const Pass& pass : plan.passes()) light = level(plan, f, light, pass.step);
-  Image out(r, 3);
+  Image out(r, 3 + plan.history());
+  if (plan.history() > 0) accumulate(plan, f, light, history, out);
+  for (const Pass& pass : plan.passes())
+    if (pass.kernel == "atrous_level") light = level(plan, f, light, pass.step);
   for (int k = 0; k < 3; ++k)
     for (int y = r.y0; y < r.y1; ++y)
       for (int x = r.x0; x < r.x1; ++x) {

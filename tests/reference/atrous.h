@@ -7,7 +7,7 @@
 
 namespace tessera::reference {
 
-// `input` as for tessera::filter; it is the whole picture. RGB.
-Image atrous(const FilterPlan&, const Image& input);
+// As reference::filtered().
+Image atrous(const FilterPlan&, const Image& input, const Image& history);
 
 }  // namespace tessera::reference

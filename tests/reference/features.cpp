@@ -6,11 +6,11 @@
 
 namespace tessera::reference {
 
-Features::Features(const FilterPlan& plan, const Image& input) : input_(input) {
+Features::Features(const FilterPlan& plan, const Image& input) : input_(input), inputs_(plan.inputs()) {
   for (auto& of_aov : first_plane_)
     for (auto& of_statistic : of_aov) std::ranges::fill(of_statistic, -1);
   int plane = 0;
-  for (const Channel& c : plan.inputs()) {
+  for (const Channel& c : inputs_) {
     if (c.index == 0)
       first_plane_[static_cast<int>(c.aov)][static_cast<int>(c.statistic)][static_cast<int>(c.share)] = plane;
     ++plane;
@@ -22,10 +22,17 @@ Features::Features(const FilterPlan& plan, const Image& input) : input_(input) {
     }
 }
 
+namespace {
+
+// Where it is no number, there is no past.
+bool tells_of_the_past(Aov a) { return info(a).reduction == Reduction::point; }
+
+}  // namespace
+
 bool Features::finite_and_no_sky(int x, int y) const {
   if (has(Aov::depth) && at(Aov::depth, 0, x, y) >= kSkyDepth) return false;
   for (int k = 0; k < input_.planes(); ++k)
-    if (!std::isfinite(input_.at(k, x, y))) return false;
+    if (!tells_of_the_past(inputs_[k].aov) && !std::isfinite(input_.at(k, x, y))) return false;
   return true;
 }
 

@@ -47,6 +47,7 @@ class Features {
   }
 
   const Image& input_;
+  std::vector<Channel> inputs_;
   int first_plane_[kAovs][4][3];  // -1: not taken
   std::vector<bool> valid_;
   std::vector<Rgb> normals_;

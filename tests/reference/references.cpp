@@ -23,9 +23,12 @@
 
 namespace tessera::reference {
 
-Image filtered(const FilterPlan& plan, const Image& input) {
-  static const std::map<std::string_view, Image (*)(const FilterPlan&, const Image&)> all{
+Image filtered(const FilterPlan& plan, const Image& input, const Image& history) {
+  static const std::map<std::string_view, Image (*)(const FilterPlan&, const Image&, const Image&)> temporal{
       {"atrous", atrous},
+      {"svgf", svgf},
+  };
+  static const std::map<std::string_view, Image (*)(const FilterPlan&, const Image&)> all{
       {"bilateral", bilateral},
       {"bmfr", bmfr},
       {"box", box},
@@ -42,8 +45,8 @@ Image filtered(const FilterPlan& plan, const Image& input) {
       {"sbf", sbf},
       {"statmc", statmc},
       {"sure-atrous", sure_atrous},
-      {"svgf", svgf},
   };
+  if (const auto t = temporal.find(plan.name); t != temporal.end()) return t->second(plan, input, history);
   return all.at(plan.name)(plan, input);
 }
 

@@ -7,7 +7,8 @@
 
 namespace tessera::reference {
 
-// `input` as for tessera::filter; it is the whole picture, and the whole frame. RGB.
-Image filtered(const FilterPlan&, const Image& input);
+// `input` and `history` as for tessera::filter; both are the whole picture, and the whole frame. RGB and the
+// plan.history() planes that are kept.
+Image filtered(const FilterPlan&, const Image& input, const Image& history = {});
 
 }  // namespace tessera::reference

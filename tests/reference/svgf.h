@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SVGF (Schied et al. 2017) of a single whole picture, pixel by pixel.
+// SVGF (Schied et al. 2017) of a whole picture, pixel by pixel.
 #pragma once
 
 #include "core/filter/filter.h"
@@ -7,7 +7,7 @@
 
 namespace tessera::reference {
 
-// `input` as for tessera::filter; it is the whole picture. RGB.
-Image svgf(const FilterPlan&, const Image& input);
+// As reference::filtered().
+Image svgf(const FilterPlan&, const Image& input, const Image& history);
 
 }  // namespace tessera::reference

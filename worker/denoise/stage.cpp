@@ -147,6 +147,12 @@ void Stage::set(cl::Kernel& kernel, cl_uint& index, const Within& in) {
   set_corners(kernel, index, r.x0 - o.x0, {r.x0 - o.x0, r.y0 - o.y0, r.x1 - o.x0, r.y1 - o.y0});
 }
 
+void Stage::set(cl::Kernel& kernel, cl_uint& index, const Past&) {
+  set(kernel, index, history_);
+  set(kernel, index, Within{history_region_, {}});
+  for (const int v : {outer().x0, outer().y0}) kernel.setArg(index++, cl_int{v});
+}
+
 void Stage::enqueue(cl::Kernel& kernel, const Region& over, int step) {
   device_.run(kernel, over.width() + vector() - 1, rounded_up(over.height(), step));
 }

@@ -39,6 +39,9 @@ struct Exactly {
 struct Within {
   Region region, outer;
 };
+// The history and where it and the outer region lie in the frame's grid: PAST_ARGUMENTS of
+// kernels/history.cl.
+struct Past {};
 
 class Stage {
  public:
@@ -76,7 +79,8 @@ class Stage {
   cl::Buffer table(std::vector<cl_int> values);
 
   // Runs a kernel with a work-item (on CPUs) per row of `over`, its height rounded up to a multiple of
-  // `step`. Arguments are set in order; a Layout counts as three, a region as four.
+  // `step`. Arguments are set in order; a Layout counts as three, a region as four,
+  // the Past as seven.
   template <typename... Arguments>
   void run(const char* kernel, const Region& over, int step, const Arguments&... arguments) {
     cl::Kernel k(program_, kernel);
@@ -98,6 +102,7 @@ class Stage {
   void set(cl::Kernel&, cl_uint& index, const Region&);
   void set(cl::Kernel& k, cl_uint& index, const Exactly& e) { set(k, index, Within{e.region, outer()}); }
   void set(cl::Kernel&, cl_uint& index, const Within&);
+  void set(cl::Kernel&, cl_uint& index, const Past&);
   void set_corners(cl::Kernel&, cl_uint& index, int x0, const Region& relative);
   void enqueue(cl::Kernel&, const Region& over, int step);
   void count(std::size_t floats);

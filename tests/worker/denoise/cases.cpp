@@ -18,6 +18,8 @@ const std::vector<FilterCase>& filter_cases() {
   // decided likewise; variance from the picture is then the rounding of a difference of equal moments.
   static const std::vector<FilterCase> cases{
       {.text = "atrous"},
+      // Light less emission may be below 0, and its mean over frames next to it.
+      {.text = "atrous:history=on", .of_largest = 1e-9},
       {.text = "bilateral", .parts_sky = false},
       {.text = "box", .parts_sky = false},
       {.text = "cross-bilateral"},
@@ -112,6 +114,10 @@ const std::vector<FilterCase>& filter_cases() {
       {.text = "rdfc:depth_scale=10,take=large_patches", .relative = 2e-4, .slow = true},
       {.text = "rdfc:depth_scale=10,tau_features=0.01,take=features", .extreme = 0.1, .slow = true},
       {.text = "svgf"},
+      // Where light spans sixty decades, variances accumulated over frames decide the smallest weights.
+      {.text = "svgf:history=on", .relative = 5e-4, .extreme = 0},
+      {.text = "svgf:history=on,average=exponential,feedback=0,variance=spatial", .extreme = 0},
+      {.text = "svgf:history=on,feedback=2,variance=spatial", .extreme = 0},
       {.text = "svgf:variance=spatial", .extreme = 0},
   };
   return cases;

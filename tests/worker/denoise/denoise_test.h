@@ -14,6 +14,13 @@
 
 namespace tessera {
 
+// Planes [first, first + count).
+inline Image planes_of(const Image& image, int first, int count) {
+  Image part(image.region(), count);
+  for (int p = 0; p < count; ++p) std::ranges::copy(image.plane(first + p), part.plane(p).begin());
+  return part;
+}
+
 class OnDevice : public testing::Test {
  protected:
   void SetUp() override {
@@ -23,15 +30,20 @@ class OnDevice : public testing::Test {
     device_ = Device::open(cpu ? "" : "0");
   }
 
+  // The picture alone: RGB.
   Image filtered(const FilterPlan& plan, const Image& input) {
-    return filter(*device_, plan, input, {input.region(), input.region()}, input.region());
+    return planes_of(filtered_and_kept(plan, input), 0, 3);
+  }
+  // And behind it what is kept of it for the next frame.
+  Image filtered_and_kept(const FilterPlan& plan, const Image& input, const Image& history = {}) {
+    return filter(*device_, plan, input, {input.region(), input.region()}, input.region(), history);
   }
   // Every tile of `size` filtered with its halo, put together.
   Image stitched(const FilterPlan& plan, const Image& input, Size size) {
-    Image whole(input.region(), 3);
+    Image whole(input.region(), 3 + plan.history());
     for (const Tile& tile : tiles_over(input.region(), size, plan.halo()))
       paste(whole, filter(*device_, plan, cropped(input, tile.outer), tile, input.region()));
-    return whole;
+    return planes_of(whole, 0, 3);
   }
 
   std::unique_ptr<Device> device_;

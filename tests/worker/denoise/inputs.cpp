@@ -9,8 +9,34 @@
 namespace tessera {
 namespace {
 
+// What moves. Each frame has a pan of its own, in which the picture also grows: every third one rests. In
+// blocks something else happens.
+struct Movement {
+  int x, y;
+  unsigned frame;
+
+  enum class Event { none, other_object, other_depth, other_normal, fast, behind_the_camera };
+  Event event() const {
+    const auto block = [](int v, int edge) { return static_cast<unsigned>((v + 9000) / edge); };
+    const unsigned hash = (block(x, 11) * 2654435761u) ^ (block(y, 7) * 2246822519u) ^ (frame * 3266489917u);
+    const unsigned one_of = (hash ^ (hash >> 15)) * 2654435761u >> 28;
+    return one_of < 6 ? static_cast<Event>(one_of) : Event::none;
+  }
+  float motion(int axis) const {
+    if (event() == Event::behind_the_camera) return kSkyDepth;
+    if (event() == Event::fast) return axis == 0 ? -61.3f + 9 * (y % 4) : 38.7f;
+    if (frame % 3 == 0) return 0;
+    const float pan =
+        axis == 0 ? 1.37f * static_cast<float>(frame % 7) - 3 : 2.6f - 0.83f * static_cast<float>(frame % 5);
+    // Every fifth row is seen through water.
+    const float wave = y % 5 == 0 ? 0.4f * static_cast<float>((x * 7 + y * 3) % 11 - 5) : 0;
+    return pan + 0.013f * static_cast<float>(axis == 0 ? x : y) + wave;
+  }
+};
+
 struct Pixel {
   int x, y;
+  unsigned frame;
   std::string_view kind;
   std::minstd_rand random;
 
@@ -41,6 +67,23 @@ struct Pixel {
     const float z = depth();
     return i == 0 ? 0.001f * z * x : i == 1 ? -0.001f * z * y : -z;
   }
+  Movement movement() const { return {x, y, frame}; }
+  float previous_depth() {
+    const float before_x = static_cast<float>(x) - movement().motion(0);
+    const float before_y = static_cast<float>(y) - movement().motion(1);
+    const float z = near() ? 3 + 0.01f * before_x : 9 - 0.02f * before_y;
+    return movement().event() == Movement::Event::other_depth ? 2 * z : z;
+  }
+  float geometric_normal(int i) {
+    if (movement().event() == Movement::Event::other_normal) return i == 1 ? 1.0f : 0.0f;
+    const float flat[] = {near() ? 0.6f : 0.0f, 0.0f, near() ? 0.8f : 1.0f};
+    return flat[i];
+  }
+  float object() {
+    if (movement().event() == Movement::Event::other_object) return 100 + static_cast<float>(frame);
+    return near() ? 1.0f : 2.0f;
+  }
+  float depth_gradient(int i) { return near() ? (i == 0 ? 0.01f : 0.0f) : i == 0 ? 0.0f : -0.02f; }
   float samples() { return constant() ? 16.0f : 4.0f + 2.0f * std::floor(6 * uniform()); }
   // A hump over the bins about the light's, so noisy that histograms of one surface now agree and now do not.
   float bin(int i) {
@@ -80,6 +123,17 @@ struct Pixel {
         return bin(c.index % kHistogramBins);
       case Aov::sample_vectors:
         return sample_value(c.index % SampleVector::size);
+      case Aov::motion:
+        return movement().motion(c.index);
+      case Aov::previous_depth:
+        return previous_depth();
+      case Aov::geometric_normal:
+        return geometric_normal(c.index);
+      case Aov::object_id:
+      case Aov::material_id:
+        return object();
+      case Aov::depth_gradient:
+        return depth_gradient(c.index);
       default:
         return light();
     }
@@ -113,7 +167,8 @@ void put_sky(Image& input, const FilterPlan& plan, int x, int y, float radiance)
       continue;
     }
     const bool bright = a == Aov::color || a == Aov::emission;
-    input.at(k, x, y) = bright ? radiance : a == Aov::albedo ? 1.0f : a == Aov::depth ? kSkyDepth : 0.0f;
+    const bool far = a == Aov::depth || a == Aov::previous_depth;
+    input.at(k, x, y) = bright ? radiance : a == Aov::albedo ? 1.0f : far ? kSkyDepth : 0.0f;
   }
 }
 
@@ -124,7 +179,7 @@ Image made_up_input(const FilterPlan& plan, const Region& region, std::string_vi
     for (int x = region.x0; x < region.x1; ++x) {
       std::minstd_rand random((x + 1000) * 7919u + (y + 1000) * 104729u + seed * 15485863u);
       random.discard(3);
-      Pixel pixel{x, y, kind, random};
+      Pixel pixel{x, y, seed, kind, random};
       for (int k = 0; k < image.planes(); ++k) image.at(k, x, y) = pixel.value(inputs[k]);
       const bool disc = (x - 40) * (x - 40) + (y - 12) * (y - 12) < 80;
       if (kind == "sky" && (disc || pixel.uniform() < 0.05f))

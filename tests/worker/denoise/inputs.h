@@ -14,8 +14,9 @@ namespace tessera {
 // extreme: light from 1e-30 to 1e30
 inline constexpr std::string_view kKinds[] = {"noise", "constant", "sky", "converged", "firefly", "extreme"};
 
-// The planes of plan.inputs() over `region`. A pixel's values depend on its coordinates and
-// `seed` only.
+// The planes of plan.inputs() over `region`. A pixel's values depend on its coordinates and `seed` only.
+// Seeds one after the other make frames of a shot: surfaces that pan, rest, leave and come, in which part of
+// every frame is found in the one before.
 Image made_up_input(const FilterPlan& plan, const Region& region, std::string_view kind, unsigned seed = 1);
 
 // The AOV in which the filter takes light: color, or indirect where it takes direct and indirect light apart.

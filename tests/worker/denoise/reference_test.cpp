@@ -2,6 +2,7 @@
 // The kernels against the scalar references.
 #include <cmath>
 
+#include "core/filter/descriptions.h"
 #include "tests/reference/references.h"
 #include "tests/worker/denoise/denoise_test.h"
 
@@ -32,8 +33,36 @@ class AgainstReference : public OnDevice {
       if (relative == 0) continue;
       const Image input = made_up_input(plan, region, kind);
       const double of_largest = kind == "firefly" ? std::max(c.of_largest, c.firefly) : c.of_largest;
-      expect_close(filtered(plan, input), reference::filtered(plan, input), relative, of_largest,
+      expect_close(filtered_and_kept(plan, input), reference::filtered(plan, input), relative, of_largest,
                    to_string(plan) + " on " + std::string(kind));
+    }
+  }
+  // Each frame with what the reference kept of the one before, for errors are not to add up; some of it is no
+  // number.
+  void compare_frames(const FilterCase& c, const FilterPlan& plan, const Region& region) {
+    constexpr unsigned kFrames = 4;
+    for (const std::string_view kind : kKinds) {
+      const double relative = kind == "extreme" ? c.extreme : c.relative;
+      if (relative == 0) continue;
+      Image history;
+      for (unsigned frame = 1; frame <= kFrames; ++frame) {
+        const Image input = made_up_input(plan, region, kind, frame);
+        const Image expected = reference::filtered(plan, input, history);
+        const double of_largest = kind == "firefly" ? std::max(c.of_largest, c.firefly) : c.of_largest;
+        expect_close(filtered_and_kept(plan, input, history), expected, relative, of_largest,
+                     to_string(plan) + " on frame " + std::to_string(frame) + " of " + std::string(kind));
+        history = planes_of(expected, 3, plan.history());
+        spoil(history, frame);
+      }
+    }
+  }
+  static void spoil(Image& history, unsigned frame) {
+    constexpr float kBad[] = {NAN, INFINITY, -INFINITY, 1e33f}, kNoLengths[] = {NAN, 0.5f, -1, 1e9f};
+    const std::size_t area = history.plane(0).size(), planes = static_cast<std::size_t>(history.planes());
+    const std::size_t length = planes - kTracePlanes;
+    for (std::size_t k = 0; k < area / 20; ++k) {
+      const std::size_t plane = k % planes;
+      history.data()[(k * 20 + frame) % area + plane * area] = (plane == length ? kNoLengths : kBad)[k % 4];
     }
   }
   // The variant `text` must be as near to its formulas as the plain filter is, and differ from it.
@@ -55,6 +84,13 @@ class AgainstReference : public OnDevice {
 TEST_F(AgainstReference, EveryFilterComputesItsFormulasOnEveryKindOfInput) {
   for (const FilterCase& c : filter_cases())
     compare(c, parse_filter(c.text), c.slow ? Region{0, 0, 33, 26} : Region{0, 0, 61, 47});
+}
+
+TEST_F(AgainstReference, FiltersWithHistoryComputeTheirFormulasFromFrameToFrame) {
+  for (const FilterCase& c : filter_cases()) {
+    const FilterPlan plan = parse_filter(c.text);
+    if (plan.history() > 0) compare_frames(c, plan, c.slow ? Region{0, 0, 33, 26} : Region{-3, 2, 58, 49});
+  }
 }
 
 TEST_F(AgainstReference, ParametersReachTheKernels) {

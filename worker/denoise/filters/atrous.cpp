@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// EAW (Dammertz et al. 2010): demodulate, five levels, modulate.
+// EAW (Dammertz et al. 2010): demodulate, accumulate over frames, five levels, modulate.
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -23,10 +23,17 @@ void run(Stage& s) {
   const Planes guides = s.planes(6, std::numeric_limits<float>::infinity());
   Planes from = s.planes(3), to = s.planes(3);
   s.run("prepare", s.outer(), 1, s.input(), s.outer().width(), s.outer().height(), guides, from, s.layout());
-  for (std::size_t i = 0; i < s.passes().size(); ++i, std::swap(from, to)) {
+  for (std::size_t i = 0; i < s.passes().size(); ++i) {
     const Pass& pass = s.passes()[i];
+    if (pass.kernel == "atrous_accumulate") {
+      s.run("atrous_accumulate", s.outer(), 1, s.input(), s.outer().width(), s.outer().height(), guides, from,
+            s.layout(), Past{}, Exactly{s.inner()}, s.output(), static_cast<float>(s.plan()["alpha"]),
+            cl_int{s.plan().is("average", "plain")});
+      continue;
+    }
     s.run("atrous_level", s.region(i), pass.step, guides, from, to, s.layout(), s.region(i), pass.step,
           scalars(s.plan(), pass));
+    std::swap(from, to);
   }
   s.run("finish", s.inner(), 1, s.input(), s.outer().width(), s.outer().height(), guides, from, s.layout(),
         Exactly{s.inner()}, s.output());
@@ -36,7 +43,7 @@ void run(Stage& s) {
 
 Program atrous_program() {
   return {"atrous",
-          {kernels::geometry_cl, kernels::atrous_cl},
+          {kernels::geometry_cl, kernels::history_cl, kernels::atrous_cl, kernels::atrous_history_cl},
           [](const FilterPlan&) { return std::string(); },
           run};
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// SVGF (Schied et al. 2017) without history: demodulate, find the variance, five levels, modulate.
+// SVGF (Schied et al. 2017): demodulate, accumulate over frames, find the variance, five levels, modulate.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -22,24 +23,51 @@ cl_float4 scalars(const FilterPlan& plan, const Pass& pass) {
            ln2_times(kLuminanceTolerance)}};
 }
 
+bool has_history(const FilterPlan& plan) { return plan.history() > 0; }
+
+void accumulate(Stage& s, const Planes& guides, const Planes& signal) {
+  const cl_float2 alpha{
+      {static_cast<float>(s.plan()["alpha"]), static_cast<float>(s.plan()["alpha_moments"])}};
+  s.run("svgf_accumulate", s.outer(), 1, s.input(), s.outer().width(), s.outer().height(), guides, signal,
+        s.layout(), Past{}, Exactly{s.inner()}, s.output(), alpha, cl_int{s.plan().is("average", "plain")});
+}
+
 void run(Stage& s) {
-  const Planes guides = s.planes(4, std::numeric_limits<float>::infinity());
+  const bool history = has_history(s.plan());
+  const Planes guides = s.planes(history ? 5 : 4, std::numeric_limits<float>::infinity());
   Planes from = s.planes(8), to = s.planes(8);
+  const auto keep_light = [&] {
+    s.run("keep_light", s.inner(), 1, from, s.layout(), Exactly{s.inner()}, s.output());
+  };
   s.run("prepare", s.outer(), 1, s.input(), s.outer().width(), s.outer().height(), guides, from, s.layout());
-  for (std::size_t i = 0; i < s.passes().size(); ++i, std::swap(from, to)) {
+  const int fed_back = static_cast<int>(std::min(s.plan()["feedback"], s.plan()["levels"]));
+  int levels = 0;
+  if (history) accumulate(s, guides, from);
+  if (history && fed_back == 0) keep_light();
+  for (std::size_t i = history ? 1 : 0; i < s.passes().size(); ++i) {
     const Pass& pass = s.passes()[i];
     s.run(std::string(pass.kernel).c_str(), s.region(i), pass.step, guides, from, to, s.layout(), s.region(i),
           pass.step, scalars(s.plan(), pass));
+    std::swap(from, to);
+    levels += pass.kernel == "svgf_level";
+    if (history && pass.kernel == "svgf_level" && levels == fed_back) keep_light();
   }
   s.run("finish", s.inner(), 1, s.input(), s.outer().width(), s.outer().height(), guides, from, s.layout(),
         Exactly{s.inner()}, s.output());
 }
 
 // The parameter's choices are the powers of two in order.
-std::string options(const FilterPlan& plan) { return fmt::format("-DSQUARINGS={}", plan["sigma_n"]); }
+std::string options(const FilterPlan& plan) {
+  return fmt::format("-DSQUARINGS={}{}", plan["sigma_n"], plan.is("variance", "spatial") ? " -DMOMENTS" : "");
+}
 
 }  // namespace
 
-Program svgf_program() { return {"svgf", {kernels::geometry_cl, kernels::svgf_cl}, options, run}; }
+Program svgf_program() {
+  return {"svgf",
+          {kernels::geometry_cl, kernels::history_cl, kernels::svgf_cl, kernels::svgf_history_cl},
+          options,
+          run};
+}
 
 }  // namespace tessera

@@ -4,6 +4,7 @@
 //   guides: 0 depth (+infinity at invalid pixels)   1..3 unit normal
 //   signal: 0..2 direct   3..5 indirect   6, 7 variance of their luminance
 // SQUARINGS: the exponent of the normals' cosine is 2^SQUARINGS.
+// With a history guides plane 4 is its length.
 
 #define LARGEST_VARIANCE 1e36f  // sums of squares stay finite below it
 
@@ -142,6 +143,17 @@ kernel void svgf_variance_spatial(PASS_ARGUMENTS) {
   FOR_EACH_VECTOR(x, x0, x1) {
     const size_t p = origin + (size_t)y * stride + x;
     const Surface s = surface_at(guides, stride, plane, p, k.y);
+    const vi valid = s.z < (vf)INFINITY;
+#ifdef HISTORY
+    // Where the history is long enough, its own variance stays.
+    const vi young = valid & (load(guides + 4 * plane + p) < (vf)4.0f);
+    if (!any_lane(young)) {
+      for (int c = 0; c < 8; ++c) store(load(from + c * plane + p), to + c * plane + p);
+      continue;
+    }
+#else
+    const vi young = valid;
+#endif
     vf sum = 1.0f, direct1 = 0.0f, direct2 = 0.0f, indirect1 = 0.0f, indirect2 = 0.0f;
     FOR_EACH_CHORD(3, depth_scale(s, i, j, k.x), {
       const vf w = normal_weight(s, guides, plane, q) * exp2_of_negative(depth_exponent(s, guides, q, scale));
@@ -153,10 +165,14 @@ kernel void svgf_variance_spatial(PASS_ARGUMENTS) {
       indirect1 = fma(w, indirect, indirect1);
       indirect2 = fma(w, indirect * indirect, indirect2);
     })
-    const vi valid = s.z < (vf)INFINITY;
     copy_light(from, to, plane, p);
-    store(valid ? variance_of(sum, direct1, direct2) : (vf)0.0f, to + 6 * plane + p);
-    store(valid ? variance_of(sum, indirect1, indirect2) : (vf)0.0f, to + 7 * plane + p);
+#ifdef HISTORY
+    const vf old_direct = load(from + 6 * plane + p), old_indirect = load(from + 7 * plane + p);
+#else
+    const vf old_direct = 0.0f, old_indirect = 0.0f;
+#endif
+    store(young ? variance_of(sum, direct1, direct2) : old_direct, to + 6 * plane + p);
+    store(young ? variance_of(sum, indirect1, indirect2) : old_indirect, to + 7 * plane + p);
   }
 }
 
