@@ -31,9 +31,10 @@ std::string error_text(const Progress& p) {
 }
 
 std::string bar(const Progress& p, int columns) {
-  std::string text =
-      fmt::format(" {:3.0f}%  round {}  {:.1f}M samples  tiles {}/{}", 100 * p.fraction, p.round,
-                  static_cast<double>(p.samples_done) * 1e-6, p.tiles_done, p.tiles_round);
+  std::string text = fmt::format(" {:3.0f}%", 100 * p.fraction);
+  if (p.frames > 1) text += fmt::format("  frames {}/{}", p.frames_done, p.frames);
+  text += fmt::format("  round {}  {:.1f}M samples  tiles {}/{}", p.round,
+                      static_cast<double>(p.samples_done) * 1e-6, p.tiles_done, p.tiles_round);
   if (const std::string error = error_text(p); !error.empty()) text += fmt::format("  {}", error);
   text += fmt::format("  {}", duration(p.seconds));
   if (p.seconds_left) text += fmt::format(" (~{} left)", duration(*p.seconds_left));
@@ -47,6 +48,7 @@ std::string json(const Progress& p) {
   std::string text = fmt::format(
       R"({{"progress":{:.5f},"round":{},"samples":{},"tiles_done":{},"tiles":{},"acceptable_share":{:.4f},"seconds":{:.3f})",
       p.fraction, p.round, p.samples_done, p.tiles_done, p.tiles_round, p.acceptable_share, p.seconds);
+  if (p.frames > 1) text += fmt::format(R"(,"frames_done":{},"frames":{})", p.frames_done, p.frames);
   if (p.error && std::isfinite(*p.error)) text += fmt::format(R"(,"relmse":{:.6g})", *p.error);
   if (p.target) text += fmt::format(R"(,"target":{:.6g})", *p.target);
   if (p.seconds_left) text += fmt::format(R"(,"seconds_left":{:.1f})", *p.seconds_left);

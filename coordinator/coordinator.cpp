@@ -72,6 +72,7 @@ void Coordinator::run(const Shot& shot, const JobWatcher& watcher) {
 }
 
 void Coordinator::begin_frames(Instant now) {
+  if (interrupted_) shot_.stop();
   while (const auto start = shot_.start()) {
     const JobId id = next_job_++;
     Active& active = active_.try_emplace(id, id, shot_.frames()[start->frame], *start, now).first->second;
@@ -80,7 +81,6 @@ void Coordinator::begin_frames(Instant now) {
 }
 
 void Coordinator::end_frames(Instant now) {
-  if (interrupted_) shot_.stop();
   for (auto it = active_.begin(); it != active_.end();) {
     if (!it->second.over()) {
       ++it;

@@ -84,7 +84,8 @@ TEST_F(Denoise, ReplacesThePictureAndKeepsAllElse) {
   const ExrImage in = read_exr(path("in.exr")), out = read_exr(path("out.exr"));
   EXPECT_EQ(in.channels, out.channels);
   for (const ExrChannel& c : in.channels) {
-    const bool same = std::ranges::equal(in.pixels.plane(in.plane(c.name)), out.pixels.plane(out.plane(c.name)));
+    const bool same =
+        std::ranges::equal(in.pixels.plane(in.plane(c.name)), out.pixels.plane(out.plane(c.name)));
     EXPECT_EQ(same, c.name != "R" && c.name != "G" && c.name != "B") << c.name;
   }
   EXPECT_EQ(std::get<std::string>(out.metadata.at("owner")), "somebody");
@@ -124,7 +125,8 @@ TEST_F(Denoise, TilesAreAsLargeAsTheMemoryAllowsOrSayWhatTheyNeed) {
 }
 
 TEST_F(Denoise, GoesThroughASequenceAndLosesNoFrameForAnother) {
-  for (const int f : {1, 2, 4}) write("in.000" + std::to_string(f) + ".exr", picture(static_cast<unsigned>(f)));
+  for (const int f : {1, 2, 4})
+    write("in.000" + std::to_string(f) + ".exr", picture(static_cast<unsigned>(f)));
   std::ofstream(path("in.0003.exr")) << "no EXR";
   EXPECT_EQ(run(options("in.####.exr", "out.####.exr")), static_cast<int>(ExitCode::bad_input));
   EXPECT_THAT(problems_, HasSubstr("frame 3: "));
