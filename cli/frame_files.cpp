@@ -14,19 +14,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kKey = "tessera/job";
+constexpr const char *kImage = "tessera/job", *kHistory = "tessera/history";
 
-// The key in a file that can be read to its end; empty: there is none.
-std::string key_in(const ExrImage& file) {
-  const auto key = file.metadata.find(kKey);
-  const auto* text = key == file.metadata.end() ? nullptr : std::get_if<std::string>(&key->second);
+// The text under that name in a file that can be read to its end; empty: there is none.
+std::string text_in(const ExrImage& file, const char* name) {
+  const auto found = file.metadata.find(name);
+  const auto* text = found == file.metadata.end() ? nullptr : std::get_if<std::string>(&found->second);
   return text == nullptr ? "" : *text;
 }
-std::string key_of(const fs::path& file) {
+std::optional<ExrImage> read_whole(const fs::path& file) {
   try {
-    return fs::exists(file) ? key_in(read_exr(file)) : "";
+    return fs::exists(file) ? std::optional(read_exr(file)) : std::nullopt;
   } catch (const Error&) {
-    return "";
+    return std::nullopt;
   }
 }
 
@@ -50,27 +50,29 @@ fs::path FrameFiles::frame(int number) const {
   return is_pattern(output_) ? file_of(output_, number) : output_;
 }
 
-bool FrameFiles::holds(int number, const std::string& key) const { return key_of(frame(number)) == key; }
+bool FrameFiles::holds(int number, const std::string& key) const {
+  const auto file = read_whole(frame(number));
+  return file && text_in(*file, kImage) == key;
+}
 
 fs::path FrameFiles::history() const { return beside(output_, "history"); }
 
-void FrameFiles::keep(const Image& kept, const std::string& key) const {
+void FrameFiles::keep(const Kept& kept) const {
   if (!is_pattern(output_)) return;
   ExrImage file;
-  file.display = kept.region();
-  file.pixels = kept;
-  for (int p = 0; p < kept.planes(); ++p) file.channels.push_back({fmt::format("history.{:03}", p), false});
-  file.metadata[kKey] = key;
+  file.display = kept.planes->region();
+  file.pixels = *kept.planes;
+  for (int p = 0; p < kept.planes->planes(); ++p)
+    file.channels.push_back({fmt::format("history.{:03}", p), false});
+  file.metadata[kHistory] = kept.key;
   write_exr(history(), file, "none");
 }
 
-std::string FrameFiles::kept_key() const { return is_pattern(output_) ? key_of(history()) : ""; }
-
-std::shared_ptr<const Image> FrameFiles::kept(const std::string& key, const Job& next) const {
-  ExrImage file = read_exr(history());
-  const bool fits = key_in(file) == key && file.pixels.region() == next.region() &&
-                    file.pixels.planes() == history_planes(next.filter);
-  return fits ? std::make_shared<const Image>(std::move(file.pixels)) : nullptr;
+std::optional<Kept> FrameFiles::kept(const Job& like) const {
+  auto file = is_pattern(output_) ? read_whole(history()) : std::nullopt;
+  if (!file || file->pixels.region() != like.region() || file->pixels.planes() != history_planes(like.filter))
+    return std::nullopt;
+  return Kept{text_in(*file, kHistory), std::make_shared<const Image>(std::move(file->pixels))};
 }
 
 }  // namespace tessera

@@ -5,13 +5,19 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
-#include <vector>
 
 #include "core/image.h"
 #include "core/job.h"
 
 namespace tessera {
+
+// What a frame keeps for the next one, and of which image.
+struct Kept {
+  std::string key;
+  std::shared_ptr<const Image> planes;
+};
 
 class FrameFiles {
  public:
@@ -23,13 +29,11 @@ class FrameFiles {
   // Whether the frame's file is whole, and of that image (resume.h).
   bool holds(int number, const std::string& key) const;
 
-  // For shots; of single frames nothing is kept.
+  // For shots; of single frames nothing is kept. Each replaces the one before.
   std::filesystem::path history() const;
-  void keep(const Image& kept, const std::string& key) const;
-  // The key of the frame that kept what is there; empty if there is nothing, or nothing sound.
-  std::string kept_key() const;
-  // What is there. Null unless it is of that frame, and fits the job that goes by it.
-  std::shared_ptr<const Image> kept(const std::string& key, const Job& next) const;
+  void keep(const Kept&) const;
+  // What is there, if it is sound and of a frame like `like`.
+  std::optional<Kept> kept(const Job& like) const;
 
  private:
   std::filesystem::path output_;

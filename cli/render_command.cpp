@@ -47,7 +47,7 @@ ProgressStyle progress_style(const RenderOptions& o) {
 fs::path output_of(const RenderOptions& o) {
   if (!o.output.empty()) return o.output;
   const fs::path scene = fs::path(o.scene).filename();
-  return scene.stem().string() + (o.frames.empty() ? ".exr" : ".####.exr");
+  return scene.stem().string() + (o.frames ? ".####.exr" : ".exr");
 }
 
 // What cannot fit is refused before anything is rendered.
@@ -68,7 +68,7 @@ std::vector<Job> jobs_of(const RenderOptions& o, Job job, const Scene& scene) {
   job.scene.hash = content_hash(scene);
   SceneFacts facts = facts_of(scene);
   std::vector<Job> jobs;
-  for (const int frame : o.frames.empty() ? std::vector{o.frame} : parse_frames(o.frames)) {
+  for (const int frame : o.frames ? parse_frames(*o.frames) : std::vector{o.frame}) {
     Job& next = jobs.emplace_back(job);
     next.frame = facts.frame = frame;
     next.filter = resolved(job.filter, facts);
@@ -82,10 +82,10 @@ class Rendering {
   Rendering(const RenderOptions& o, const FrameFiles& files, const Scene& scene, std::vector<Job> jobs)
       : o_(o), files_(files), scene_(scene), jobs_(std::move(jobs)), keys_(image_keys(jobs_)) {
     for (const Job& job : jobs_) require_foreign(files_.frame(job.frame), o_, scene_);
-    if (o_.frames.empty())
-      left_ = {0};
-    else
+    if (o_.frames)
       resume();
+    else
+      left_ = {0};
     for (const std::size_t i : left_) shot_.frames.push_back(jobs_[i]);
   }
 
@@ -111,12 +111,11 @@ class Rendering {
   void resume() {
     std::vector<bool> done;
     for (std::size_t i = 0; i < jobs_.size(); ++i) done.push_back(files_.holds(jobs_[i].frame, keys_[i]));
-    const Remaining r = remaining(jobs_, keys_, done, files_.kept_key());
+    const auto kept = files_.kept(jobs_.front());
+    const Remaining r = remaining(jobs_, keys_, done, kept ? kept->key : "");
     left_ = r.frames;
     for (const std::size_t i : r.from_kept)
-      if (const auto place = std::ranges::find(left_, i); place != left_.end())
-        shot_.histories[static_cast<std::size_t>(place - left_.begin())] =
-            files_.kept(keys_[i - 1], jobs_[i]);
+      shot_.histories[static_cast<std::size_t>(std::ranges::find(left_, i) - left_.begin())] = kept->planes;
     if (left_.size() < jobs_.size() && !o_.quiet)
       fmt::print("{} of {} frames are there already\n", jobs_.size() - left_.size(), jobs_.size());
   }
@@ -137,7 +136,7 @@ class Rendering {
     const fs::path file = files_.frame(job.frame);
     const std::string key = code == ExitCode::interrupted ? "" : key_of(i, report);
     write_frame(o_, file, job, scene_, report, key);
-    if (report.kept && !key.empty()) files_.keep(*report.kept, key);
+    if (report.kept && !key.empty()) files_.keep({key, report.kept});
     if (!o_.quiet) summarise(job, report, file);
   } catch (const Error& e) {
     note(e.code());
@@ -181,8 +180,8 @@ int render_scene(const RenderOptions& o) {
     throw Error(ExitCode::bad_usage,
                 "render: which scene? accepted: a .json, .gltf, .glb, .obj, .fbx or .ply file");
   const Job job = job_of(o);
-  const FrameFiles files(output_of(o), !o.frames.empty());
-  require_memory(job, o.frames.empty() ? 1 : Shot{}.in_flight);
+  const FrameFiles files(output_of(o), o.frames.has_value());
+  require_memory(job, o.frames ? Shot{}.in_flight : 1);
 
   UnderWay under_way;
   const Signals signals([&](int signal) { under_way.hear(signal); });

@@ -26,7 +26,7 @@ struct RenderOptions {
   std::string camera, variant;
   std::uint64_t seed = 0;
   int frame = 0;
-  std::string frames;  // of a shot, as parse_frames takes them; empty: `frame` alone
+  std::optional<std::string> frames;  // of a shot, as parse_frames takes them; none: `frame` alone
   int max_bounces = 8;
   int sure_bounces = 2;
   double clamp_direct = 0, clamp_indirect = 0, regularise = 0;
