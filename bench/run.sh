@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Runs the benchmarks of a build folder, all or those whose name contains one of the arguments.
-# `quality` renders references for the better part of an hour: only when it is asked for by its name.
+# `quality` and `temporal` render references for the better part of an hour: only when they are asked for by name.
 # usage: bench/run.sh BUILD_FOLDER [NAME ...]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -15,7 +15,7 @@ for program in "${programs[@]}"; do
   name=$(basename "$program")
   wanted=$([ $# -eq 0 ] && echo yes || echo no)
   for w in "$@"; do [[ $name == *"$w"* ]] && wanted=yes; done
-  [ $# -eq 0 ] && [ "$name" = quality_bench ] && wanted=no
+  [ $# -eq 0 ] && [[ $name = quality_bench || $name = temporal_bench ]] && wanted=no
   [ "$wanted" = yes ] || continue
   printf '\n== %s\n' "$name"
   "$program"
