@@ -16,6 +16,10 @@ constexpr Millis kLongestSleep{1000};  // so that progress is shown while nothin
 
 double seconds_between(Instant from, Instant to) { return std::chrono::duration<double>(to - from).count(); }
 
+bool travels(const FilterInput& input) {
+  return (input.film.data().size() + input.history.data().size()) * sizeof(float) <= kMaxPixelBytes;
+}
+
 }  // namespace
 
 Coordinator::Active::Active(JobId job_id, const Job& job, const ShotPlan::Start& start, Instant now)
@@ -210,8 +214,16 @@ void Coordinator::carry_out(const AssignTask& c, Instant) {
   Active& active = active_.at(found->second.job);
   if (active.offered.insert(c.worker).second) road_.send(c.worker, JobOffer{active.id, active.frame.job()});
   Assign assign{found->second, c.attempt, {}};
-  if (const auto* filter = std::get_if<FilterTask>(&assign.task.work))
+  if (const auto* filter = std::get_if<FilterTask>(&assign.task.work)) {
     assign.input = active.frame.filter_input(*filter);
+    if (!travels(assign.input)) {
+      active.failure =
+          "a tile and what its pixels touch of the frame before are more than a message holds (1 GiB):"
+          " smaller tiles are needed";
+      active.bad_input = true;
+      return;
+    }
+  }
   road_.send(c.worker, std::move(assign));
 }
 
