@@ -68,7 +68,9 @@ std::vector<Job> jobs_of(const RenderOptions& o, Job job, const Scene& scene) {
   job.scene.hash = content_hash(scene);
   SceneFacts facts = facts_of(scene);
   std::vector<Job> jobs;
-  for (const int frame : o.frames ? parse_frames(*o.frames) : std::vector{o.frame}) {
+  std::vector<int> frames = o.frames ? parse_frames(*o.frames) : std::vector{o.frame};
+  if (job.filter.history() > 0) std::ranges::sort(frames);  // each goes by the one before
+  for (const int frame : frames) {
     Job& next = jobs.emplace_back(job);
     next.frame = facts.frame = frame;
     next.filter = resolved(job.filter, facts);

@@ -57,13 +57,15 @@ std::vector<std::string> input_names(const std::vector<Channel>& inputs) {
   return names;
 }
 
-void print_filter(const FilterDescription& d) {
+void print_filter(const FilterPlan& plan) {
+  const FilterDescription& d = plan.description();
   fmt::print("{:16} {}{}\n", d.name, d.summary, d.source.empty() ? "" : fmt::format("  [{}]", d.source));
-  const FilterPlan plan = parse_filter(d.name);
   double flops = 0;
   for (const Pass& p : plan.passes()) flops += p.flops;
   fmt::print("{:16} halo {} px; {:.0f} operations and {:.0f} bytes of scratch per pixel\n", "", plan.halo(),
              flops, sizeof(float) * d.scratch(plan.parameters));
+  if (plan.history() > 0)
+    fmt::print("{:16} keeps {} numbers of a pixel for the next frame\n", "", plan.history());
   fmt::print("{:16} takes {}\n", "", fmt::join(input_names(plan.inputs()), ", "));
   for (const Parameter& p : d.parameters)
     fmt::print("{:16}   {:14} {} (default {}{}{})  {}{}\n", "", p.name, accepted(p), standard(p),
@@ -75,9 +77,13 @@ void print_filter(const FilterDescription& d) {
 
 std::function<int()> describe_devices(CLI::App&) { return run_list_devices; }
 
-std::function<int()> describe_filters(CLI::App&) {
-  return [] {
-    for (const FilterDescription& d : filters()) print_filter(d);
+std::function<int()> describe_filters(CLI::App& app) {
+  auto texts = std::make_shared<std::vector<std::string>>();
+  app.add_option("filter", *texts, "Only these, as they are with these parameters: svgf:history=on [all]");
+  return [texts] {
+    if (texts->empty())
+      for (const FilterDescription& d : filters()) print_filter(parse_filter(d.name));
+    for (const std::string& text : *texts) print_filter(parse_filter(text));
     return 0;
   };
 }

@@ -16,7 +16,9 @@
 namespace tessera {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 TEST_F(Program, RendersUntilAcceptedAndWritesLayersAndWhatItKnows) {
   const Outcome outcome = run({"render", furnace_, "-o", path("f.exr"), "--width", "70", "--height", "66",
@@ -130,6 +132,15 @@ TEST_F(Program, AFrameThatCannotFitInMemoryIsExitCode4BeforeAnythingIsRendered) 
 TEST_F(Program, AnUnknownDeviceIsExitCode5AndAnUnknownCameraIsExitCode3) {
   EXPECT_EQ(run({"render", furnace_, "-o", path("x.exr"), "--device", "abacus"}).code, 5);
   EXPECT_EQ(run({"render", furnace_, "-o", path("x.exr"), "--camera", "nobody's"}).code, 3);
+}
+
+TEST_F(Program, TellsOfAFilterWhatItIsWithTheseParameters) {
+  const Outcome still = run({"filters", "svgf"}), moving = run({"filters", "svgf:history=on"});
+  EXPECT_THAT(still.text, Not(HasSubstr("numbers of a pixel for the next frame")));
+  EXPECT_THAT(moving.text, HasSubstr("numbers of a pixel for the next frame"));
+  EXPECT_THAT(moving.text, HasSubstr("motion"));
+  EXPECT_THAT(run({"filters"}).text, AllOf(HasSubstr("atrous"), HasSubstr("statmc")));
+  EXPECT_EQ(run({"filters", "svg"}).code, 2);
 }
 
 TEST_F(Program, EverySubcommandHasHelp) {
