@@ -24,6 +24,7 @@ constexpr int kFewRuns = 3;        // of a filter that takes longer than
 constexpr double kLongRun = 0.25;  // seconds
 constexpr std::string_view kTexts[] = {
     "atrous",
+    "atrous:history=on",
     "bilateral",
     "bmfr",
     "bmfr:grids=1",
@@ -51,6 +52,8 @@ constexpr std::string_view kTexts[] = {
     "sure-atrous:edge=svgf",
     "sure-atrous:mode=literal",
     "svgf",
+    "svgf:history=on",
+    "svgf:history=on,variance=spatial",
     "svgf:variance=spatial",
 };
 constexpr double kMostFlops = 1e12;  // of a call: slower filters get a smaller picture
@@ -71,7 +74,12 @@ Image noisy_input(const FilterPlan& plan, const Region& frame) {
         if (c.statistic == Statistic::samples) v = 8;
         if (c.aov == Aov::normal) v = c.index == 2 ? 1.0f : 0.05f * u;
         if (c.aov == Aov::position) v = 0.01f * (c.index == 0 ? x : c.index == 1 ? y : u);
-        if (c.aov == Aov::depth) v = 5 + 0.001f * x + 0.001f * u;
+        if (c.aov == Aov::depth || c.aov == Aov::previous_depth) v = 5 + 0.001f * x + 0.001f * u;
+        if (c.aov == Aov::depth_gradient) v = c.index == 0 ? 0.001f : 0.0f;
+        if (c.aov == Aov::geometric_normal) v = c.index == 2 ? 1.0f : 0.0f;
+        if (c.aov == Aov::object_id || c.aov == Aov::material_id) v = 1;
+        // A camera that pans and comes nearer.
+        if (c.aov == Aov::motion) v = c.index == 0 ? 2.3f + 0.004f * (x - 640) : 0.7f + 0.004f * (y - 360);
         image.at(k, x, y) = v;
       }
   return image;
@@ -211,14 +219,28 @@ Region measured(const FilterPlan& plan, const Region& frame) {
   return {0, 0, cut(frame.width()), cut(frame.height())};
 }
 
+// What is kept after some frames, or nothing.
+Image long_history(ClDevice& device, const FilterPlan& plan, const Image& input) {
+  constexpr int kFrames = 6;
+  const Region& frame = input.region();
+  Image history;
+  for (int k = 0; k < kFrames && plan.history() > 0; ++k) {
+    const Image output = filter(device, plan, input, {frame, frame}, frame, history);
+    history = Image(frame, plan.history());
+    for (int p = 0; p < plan.history(); ++p) std::ranges::copy(output.plane(3 + p), history.plane(p).begin());
+  }
+  return history;
+}
+
 void measure(ClDevice& device, std::string_view text, const Region& asked, const Machine& machine) {
   const FilterPlan plan = resolved(parse_filter(text), {});
   const Region frame = measured(plan, asked);
   if (frame != asked) fmt::print("{} over {}x{}\n", text, frame.width(), frame.height());
   const Image input = noisy_input(plan, frame);
+  const Image history = long_history(device, plan, input);
   std::vector<KernelTime> times;
   device.record(&times);
-  filter(device, plan, input, {frame, frame}, frame);
+  filter(device, plan, input, {frame, frame}, frame, history);
   const std::vector<KernelTime> first = times;  // the rows view its names
   std::vector<Row> rows = rows_of(plan.passes(), first);
   Row whole{.kernel = "whole filter"};
@@ -226,7 +248,7 @@ void measure(ClDevice& device, std::string_view text, const Region& asked, const
   for (int i = 0; i < kRuns && (i < kFewRuns || whole.seconds.front() < kLongRun); ++i) {
     times.clear();
     const auto begin = std::chrono::steady_clock::now();
-    filter(device, plan, input, {frame, frame}, frame);
+    filter(device, plan, input, {frame, frame}, frame, history);
     whole.seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
     add_times(rows, times);
   }

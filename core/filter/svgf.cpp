@@ -70,7 +70,9 @@ std::vector<Channel> inputs(const ParameterValues& values) {
 }
 
 std::vector<Pass> passes(const ParameterValues& values) {
-  constexpr double kGeometry = 2 + 5 + 2 + 7;  // depth, cosine, bounds, seven squarings
+  constexpr double kExpFlops =
+      1 + 2 + 1 + 8 + 2;                       // exp2_of_bits: bound, whole number, bits, polynomial, bits
+  constexpr double kGeometry = 3 + 5 + 1 + 7;  // depth, cosine, bound, seven squarings
   constexpr double kChord = 7.0 / 2;           // half a depth scale per tap
   constexpr double kLightTap = 3 + 5 + 3 + kExpFlops + 1 + 1 + 6 + 3;  // differences, luminance, weight, sums
   constexpr double kFloats = 4 + 8 + 8;
@@ -84,9 +86,9 @@ std::vector<Pass> passes(const ParameterValues& values) {
   }
   if (values.find("variance")->second == from_picture)
     all.push_back(
-        {"svgf_variance_spatial", 1, 3, 48 * (kGeometry + kChord + kExpFlops + 2 + 2 * 17) + 40, kFloats});
+        {"svgf_variance_spatial", 1, 3, 48 * (kGeometry + kChord + kExpFlops + 2 + 2 * 17) + 40, 4 + 6 + 2});
   else
-    all.push_back({"svgf_variance_samples", 1, 3, 48 * (kGeometry + kChord + kExpFlops + 6) + 20, kFloats});
+    all.push_back({"svgf_variance_samples", 1, 3, 48 * (kGeometry + kChord + kExpFlops + 6) + 20, 4 + 2 + 2});
   append_levels(all,
                 {.kernel = "svgf_level",
                  .flops = 24 * (kGeometry + kChord + 2 * kLightTap) + 2 * (9 * 4 + 20) + 20,

@@ -25,11 +25,12 @@ cl_float4 scalars(const FilterPlan& plan, const Pass& pass) {
 
 bool has_history(const FilterPlan& plan) { return plan.history() > 0; }
 
-void accumulate(Stage& s, const Planes& guides, const Planes& signal) {
+void accumulate(Stage& s, const Planes& guides, const Planes& signal, const Planes& raw) {
   const cl_float2 alpha{
       {static_cast<float>(s.plan()["alpha"]), static_cast<float>(s.plan()["alpha_moments"])}};
   s.run("svgf_accumulate", s.outer(), 1, s.input(), s.outer().width(), s.outer().height(), guides, signal,
-        s.layout(), Past{}, Exactly{s.inner()}, s.output(), alpha, cl_int{s.plan().is("average", "plain")});
+        raw, s.layout(), Past{}, Exactly{s.inner()}, s.output(), alpha,
+        cl_int{s.plan().is("average", "plain")});
 }
 
 void run(Stage& s) {
@@ -39,18 +40,23 @@ void run(Stage& s) {
   const auto keep_light = [&] {
     s.run("keep_light", s.inner(), 1, from, s.layout(), Exactly{s.inner()}, s.output());
   };
-  s.run("prepare", s.outer(), 1, s.input(), s.outer().width(), s.outer().height(), guides, from, s.layout());
-  const int fed_back = static_cast<int>(std::min(s.plan()["feedback"], s.plan()["levels"]));
-  int levels = 0;
-  if (history) accumulate(s, guides, from);
-  if (history && fed_back == 0) keep_light();
-  for (std::size_t i = history ? 1 : 0; i < s.passes().size(); ++i) {
+  const auto pass_over = [&](std::size_t i, const Planes& source, const Planes& target) {
     const Pass& pass = s.passes()[i];
-    s.run(std::string(pass.kernel).c_str(), s.region(i), pass.step, guides, from, to, s.layout(), s.region(i),
-          pass.step, scalars(s.plan(), pass));
+    s.run(std::string(pass.kernel).c_str(), s.region(i), pass.step, guides, source, target, s.layout(),
+          s.region(i), pass.step, scalars(s.plan(), pass));
+  };
+  // The variances of single pixels wait in `to` until they are found over the pixels around.
+  s.run("prepare", s.outer(), 1, s.input(), s.outer().width(), s.outer().height(), guides, from, to,
+        s.layout());
+  const int fed_back = static_cast<int>(std::min(s.plan()["feedback"], s.plan()["levels"]));
+  std::size_t i = 0;
+  if (history) accumulate(s, guides, from, to), ++i;
+  if (history && fed_back == 0) keep_light();
+  pass_over(i++, to, from);
+  for (int level = 1; i < s.passes().size(); ++i, ++level) {
+    pass_over(i, from, to);
     std::swap(from, to);
-    levels += pass.kernel == "svgf_level";
-    if (history && pass.kernel == "svgf_level" && levels == fed_back) keep_light();
+    if (history && level == fed_back) keep_light();
   }
   s.run("finish", s.inner(), 1, s.input(), s.outer().width(), s.outer().height(), guides, from, s.layout(),
         Exactly{s.inner()}, s.output());

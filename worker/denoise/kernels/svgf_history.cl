@@ -48,11 +48,12 @@ vi kept_at(global const float* past, size_t area, Tap tap, const vf* light, cons
   return fit & (value[KEPT_LENGTH] >= (vf)1.0f) & (value[KEPT_LENGTH] <= (vf)LONGEST_HISTORY);
 }
 
-// signal: of this frame; accumulated where it lies. guides: plane 4 becomes the history's length. alpha: of light, of
-// the moments. Keeps all but the light, over the pixels [x0, x1) x [y0, y1).
+// signal, raw: of this frame; accumulated where they lie, with MOMENTS the signal's variance too. guides: plane 4 becomes
+// the history's length. alpha: of light, of the moments. Keeps all but the light, over the pixels [x0, x1) x [y0, y1).
 kernel void svgf_accumulate(global const float* restrict input, int w, int h, global float* restrict guides,
-                            global float* restrict signal, int stride, long plane, long origin, PAST_ARGUMENTS, int x0,
-                            int y0, int x1, int y1, global float* restrict output, float2 alpha, int plain) {
+                            global float* restrict signal, global float* restrict raw, int stride, long plane,
+                            long origin, PAST_ARGUMENTS, int x0, int y0, int x1, int y1,
+                            global float* restrict output, float2 alpha, int plain) {
   const int y = get_global_id(1);
   const size_t area = (size_t)w * h, past_area = PAST_AREA, out_area = (size_t)(x1 - x0) * (y1 - y0);
   if (y >= h) return;
@@ -92,9 +93,9 @@ kernel void svgf_accumulate(global const float* restrict input, int w, int h, gl
 #else
     const vf now = weight_of_now(length, alpha.x, plain), squared = (1.0f - now) * (1.0f - now) * per_sum;
     for (int s = 0; s < 2; ++s) {
-      const vf variance = fma(squared, total[6 + s], now * now * load(signal + (6 + s) * plane + p));
+      const vf variance = fma(squared, total[6 + s], now * now * load(raw + (6 + s) * plane + p));
       kept[s] = variance < (vf)LARGEST_VARIANCE ? variance : (vf)LARGEST_VARIANCE;
-      store(kept[s], signal + (6 + s) * plane + p);
+      store(kept[s], raw + (6 + s) * plane + p);
     }
 #endif
     if (y < y0 || y >= y1) continue;
