@@ -114,10 +114,14 @@ const std::vector<FilterCase>& filter_cases() {
       {.text = "rdfc:depth_scale=10,take=large_patches", .relative = 2e-4, .slow = true},
       {.text = "rdfc:depth_scale=10,tau_features=0.01,take=features", .extreme = 0.1, .slow = true},
       {.text = "svgf"},
-      // Where light spans sixty decades, variances accumulated over frames decide the smallest weights.
-      {.text = "svgf:history=on", .relative = 5e-4, .extreme = 0},
-      {.text = "svgf:history=on,average=exponential,feedback=0,variance=spatial", .extreme = 0},
-      {.text = "svgf:history=on,feedback=2,variance=spatial", .extreme = 0},
+      // Where light spans sixty decades, variances accumulated over frames decide the smallest weights; and
+      // of two pixels that were fireflies the difference is what is left of their digits. What does not vary
+      // at all has a variance of 0 or of a rounding.
+      {.text = "svgf:history=on", .extreme = 0, .firefly = 1e-9},
+      {.text = "svgf:history=on,average=exponential,feedback=0,variance=spatial",
+       .extreme = 0,
+       .of_largest = 1e-12},
+      {.text = "svgf:history=on,feedback=2,variance=spatial", .extreme = 0, .of_largest = 1e-12},
       {.text = "svgf:variance=spatial", .extreme = 0},
   };
   return cases;

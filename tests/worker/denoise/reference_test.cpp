@@ -89,8 +89,19 @@ TEST_F(AgainstReference, EveryFilterComputesItsFormulasOnEveryKindOfInput) {
 TEST_F(AgainstReference, FiltersWithHistoryComputeTheirFormulasFromFrameToFrame) {
   for (const FilterCase& c : filter_cases()) {
     const FilterPlan plan = parse_filter(c.text);
-    if (plan.history() > 0) compare_frames(c, plan, c.slow ? Region{0, 0, 33, 26} : Region{-3, 2, 58, 49});
+    if (plan.history() > 0) compare_frames(c, plan, c.slow ? Region{0, 0, 33, 26} : Region{-3, 2, 46, 39});
   }
+}
+
+TEST_F(AgainstReference, ParametersOfHistoriesReachTheKernels) {
+  constexpr FilterCase cases[] = {
+      {.text = "atrous:history=on,alpha=0.7", .of_largest = 1e-9},
+      {.text = "svgf:history=on,alpha=0.05,average=exponential,feedback=5", .extreme = 0, .firefly = 1e-9},
+      {.text = "svgf:history=on,levels=2,alpha=0.6,alpha_moments=0.3,variance=spatial",
+       .extreme = 0,
+       .of_largest = 1e-12},
+  };
+  for (const FilterCase& c : cases) compare_frames(c, parse_filter(c.text), {4, 20, 40, 51});
 }
 
 TEST_F(AgainstReference, ParametersReachTheKernels) {
