@@ -24,6 +24,7 @@ kernel void atrous_accumulate(global const float* restrict input, int w, int h, 
     FOR_EACH_PAST_TAP(seen, sum, total, 4, 13, {
       vf value[4];
       vi same = same_surface(trace, past + 4 * past_area, past_area, tap);
+      if (!any_lane(same)) continue;
       for (int c = 0; c < 3; ++c) {
         const vf v = at_tap(past + c * past_area, tap);
         same &= ordinary(v);

@@ -5,8 +5,9 @@
 // those of the nine pixels around the nearest one, all alike (Schied et al. 2017, section 4.1); else none.
 //
 // The history's planes cover the region [past_x0, past_x1) x [past_y0, past_y1) of the frame's grid, without pads: a
-// tap outside of it is outside of the frame. Taps of neighbouring lanes mostly are neighbours, and are then read as a
-// vector; which of both ways is gone changes no bit, nor does what the other lanes do.
+// tap outside of it is outside of the frame. Taps of neighbouring lanes mostly are neighbours: runs of them are read as
+// vectors, and only where there are many runs, or the planes' ends are near, lane by lane. Which of both ways is gone
+// changes no bit, nor does what the other lanes do.
 // HISTORY is defined where the filter's plan has one; without it there is nothing here.
 #ifdef IN_MOTION
 #define HISTORY
@@ -25,7 +26,7 @@
 #endif
 
 constant int kLanes[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-constant int kAnyLane = 2147483647;
+#define MOST_RUNS 8
 
 // How many frames a pixel's history can be long: whoever says more errs.
 #define LONGEST_HISTORY 128.0f
@@ -34,20 +35,46 @@ constant int kAnyLane = 2147483647;
 typedef struct {
   vi wanted;         // lanes that have any
   vi x, y;           // of the tap up and left of q
-  vf right, below;   // how far q is from it
-  int line, in_line; // index of lane 0's tap, where each wanted lane's is the one behind
+  vf right, below;  // how far q is from it
+  vi start;         // where lane 0's tap would be, were it in one run with this lane's
+  int runs, run[MOST_RUNS], lowest, highest;  // the starts of the wanted lanes; no runs: there are too many
 } Seen;
 
 typedef struct {
   vi inside;
   vi index;  // 0 where it is not inside
-  int first; // index of lane 0's tap, if those of the others follow: -1 if not
+  vi start;
+  int runs, run[MOST_RUNS];  // as of Seen
+  int offset;                // to be added to them
 } Tap;
 
 // The whole part, downwards.
 vi whole(vf v) {
   const vi i = to_int(v);
   return i + (to_float(i) > v ? (vi)-1 : (vi)0);
+}
+
+// Finds the runs.
+Seen in_runs(Seen s, int width) {
+  s.start = s.y * width + s.x - load(kLanes);
+  int starts[VW], wanted[VW];
+  store(s.start, starts);
+  store(s.wanted, wanted);
+  s.runs = s.lowest = s.highest = 0;
+  for (int k = 0; k < VW; ++k) {
+    if (!wanted[k]) continue;
+    int r = 0;
+    while (r < s.runs && s.run[r] != starts[k]) ++r;
+    if (r < s.runs) continue;
+    if (r == MOST_RUNS) {
+      s.runs = 0;
+      return s;
+    }
+    s.lowest = r > 0 ? min(s.lowest, starts[k]) : starts[k];
+    s.highest = r > 0 ? max(s.highest, starts[k]) : starts[k];
+    s.run[s.runs++] = starts[k];
+  }
+  return s;
 }
 
 // x, y: of lane 0, in the frame's grid.
@@ -63,13 +90,7 @@ Seen seen_before(int x, int y, vf motion_x, vf motion_y, int past_x0, int past_y
   s.below = qy - to_float(at_y);
   s.x = at_x - past_x0;
   s.y = at_y - past_y0;
-  const vi start = s.wanted ? s.y * PAST_WIDTH + s.x - load(kLanes) : (vi)kAnyLane;
-  int starts[VW];
-  store(start, starts);
-  s.line = starts[0];
-  for (int k = 1; k < VW; ++k) s.line = min(s.line, starts[k]);
-  s.in_line = !any_lane(s.wanted & (start != (vi)s.line));
-  return s;
+  return in_runs(s, PAST_WIDTH);
 }
 
 // Of the VW pixels from (x, y) of the outer region on, whose input begins at `in`; n of them are ours.
@@ -83,14 +104,20 @@ Tap tap_of(Seen s, int i, int j, int width, int height) {
   const vi x = s.x + i, y = s.y + j;
   t.inside = s.wanted & (x >= (vi)0) & (x < (vi)width) & (y >= (vi)0) & (y < (vi)height);
   t.index = t.inside ? y * width + x : (vi)0;
-  t.first = s.in_line ? s.line + j * width + i : -1;
-  t.first = t.first >= 0 && t.first + VW <= width * height ? t.first : -1;
+  t.start = s.start;
+  t.offset = j * width + i;
+  t.runs = s.lowest + t.offset >= 0 && s.highest + t.offset + VW <= width * height ? s.runs : 0;
+  for (int r = 0; r < MOST_RUNS; ++r) t.run[r] = s.run[r];
   return t;
 }
 
 // Where there is no tap, any number.
 vf at_tap(global const float* plane, Tap t) {
-  if (t.first >= 0) return load(plane + t.first);
+  if (t.runs > 0) {
+    vf v = load(plane + (t.run[0] + t.offset));
+    for (int r = 1; r < t.runs; ++r) v = t.start == (vi)t.run[r] ? load(plane + (t.run[r] + t.offset)) : v;
+    return v;
+  }
   float values[VW];
   int index[VW];
   store(t.index, index);
@@ -99,12 +126,11 @@ vf at_tap(global const float* plane, Tap t) {
 }
 
 // Where lanes of q's four taps yielded nothing, those of the nine around the nearest pixel come next.
-Seen nearest_seen(Seen s, vi lost) {
+Seen nearest_seen(Seen s, vi lost, int width) {
   s.wanted &= lost;
   s.x += s.right >= (vf)0.5f ? (vi)1 : (vi)0;
   s.y += s.below >= (vf)0.5f ? (vi)1 : (vi)0;
-  s.in_line = 0;
-  return s;
+  return in_runs(s, width);
 }
 
 vf bilinear(Seen s, int i, int j) {
@@ -122,7 +148,7 @@ vf bilinear(Seen s, int i, int j) {
         const vi lost = (SUM) < (vf)0.01f;                                                                        \
         (SUM) = lost ? (vf)0.0f : (SUM);                                                                          \
         _Pragma("unroll") for (int c = 0; c < (COUNT); ++c) (TOTAL)[c] = lost ? (vf)0.0f : (TOTAL)[c];            \
-        seen_now = nearest_seen(seen_now, lost);                                                                  \
+        seen_now = nearest_seen(seen_now, lost, PAST_WIDTH);                                                      \
         if (!any_lane(seen_now.wanted)) break;                                                                    \
       }                                                                                                           \
       const int tap_i = tap_number < 4 ? tap_number % 2 : (tap_number - 4) % 3 - 1;                               \

@@ -71,8 +71,9 @@ kernel void svgf_accumulate(global const float* restrict input, int w, int h, gl
     for (int c = 0; c < TOTALS; ++c) total[c] = 0.0f;
     FOR_EACH_PAST_TAP(seen, sum, total, TOTALS, 13, {
       vf value[TOTALS];
-      const vi same = kept_at(past, past_area, tap, light, bright, value) &
-                      same_surface(trace, past + KEPT_TRACE * past_area, past_area, tap);
+      vi same = same_surface(trace, past + KEPT_TRACE * past_area, past_area, tap);
+      if (!any_lane(same)) continue;
+      same &= kept_at(past, past_area, tap, light, bright, value);
       sum += same ? weight : (vf)0.0f;
       _Pragma("unroll")
       for (int c = 0; c < TOTALS; ++c) total[c] = same ? fma(weight, value[c], total[c]) : total[c];
