@@ -6,14 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <ostream>
 
 #include "cli/compare_files.h"
 #include "cli/compare_report.h"
+#include "cli/sizes.h"
 #include "core/error.h"
-#include "core/job.h"
 #include "core/png.h"
 #include "core/quality/metrics.h"
 #include "core/quality/temporal.h"
@@ -186,22 +185,6 @@ SequenceReport Comparer::run() {
 }
 
 }  // namespace
-
-std::optional<Size> parse_tile_size(std::string_view text) {
-  Size size;
-  const char* const end = text.data() + text.size();
-  const auto width = std::from_chars(text.data(), end, size.width);
-  if (width.ec != std::errc{}) return std::nullopt;
-  size.height = size.width;
-  const char* rest = width.ptr;
-  if (rest != end) {
-    if (*rest != 'x') return std::nullopt;
-    const auto height = std::from_chars(rest + 1, end, size.height);
-    if (height.ec != std::errc{} || height.ptr != end) return std::nullopt;
-  }
-  const auto fits = [](int edge) { return edge >= 1 && edge <= kMaxEdge; };
-  return fits(size.width) && fits(size.height) ? std::optional(size) : std::nullopt;
-}
 
 int compare(const CompareOptions& options, std::ostream& out) {
   Comparer comparer(options);

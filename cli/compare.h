@@ -5,14 +5,12 @@
 
 #include <filesystem>
 #include <iosfwd>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/quality/display.h"
 #include "core/quality/flip.h"
-#include "core/region.h"
 
 namespace CLI {
 class App;
@@ -40,8 +38,5 @@ void describe(CLI::App&, CompareOptions&);
 // Writes what it found to `out`. Returns 0; throws InputError for files that are missing, cannot be read or
 // written, have no R, G, B, or do not cover the same pixels, and Error for options that are not accepted.
 int compare(const CompareOptions&, std::ostream& out);
-
-// "N" or "WxH", 1 to kMaxEdge each.
-std::optional<Size> parse_tile_size(std::string_view);
 
 }  // namespace tessera

@@ -10,7 +10,7 @@
 #include <ostream>
 #include <set>
 
-#include "cli/compare.h"
+#include "cli/sizes.h"
 #include "cli/version.h"
 #include "core/error.h"
 #include "core/exr.h"

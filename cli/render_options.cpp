@@ -9,8 +9,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "cli/compare.h"
 #include "cli/limit_options.h"
+#include "cli/sizes.h"
 #include "core/error.h"
 #include "core/exr.h"
 #include "core/sample_range.h"
@@ -38,12 +38,14 @@ std::optional<Number> number(std::string_view text) {
   return value;
 }
 
+// Light groups are asked for all at once.
+bool has_name(int a) { return is_aov(a) && !is_light_group(a); }
 std::string_view asked_as(const AovInfo& i) { return i.name.empty() ? i.letters : i.name; }
 
 std::string aov_names() {
   std::string all;
-  for (int a = 1; a < static_cast<int>(Aov::light_group); ++a)
-    if (is_aov(a)) all += fmt::format("{}, ", asked_as(info(static_cast<Aov>(a))));
+  for (int a = 1; a < kAovs; ++a)
+    if (has_name(a)) all += fmt::format("{}, ", asked_as(info(static_cast<Aov>(a))));
   return all + std::string(kLightGroups);
 }
 
@@ -51,10 +53,10 @@ AovSet parse_aovs(const std::vector<std::string>& names) {
   AovSet set;
   for (const std::string& name : names) {
     if (name == kLightGroups) continue;  // as many as the scene has: see groups_of()
-    const auto is_it = [&](int a) { return is_aov(a) && name == asked_as(info(static_cast<Aov>(a))); };
+    const auto is_it = [&](int a) { return has_name(a) && name == asked_as(info(static_cast<Aov>(a))); };
     int a = 1;
-    while (a < static_cast<int>(Aov::light_group) && !is_it(a)) ++a;
-    if (a == static_cast<int>(Aov::light_group)) refuse("--aov", name, aov_names());
+    while (a < kAovs && !is_it(a)) ++a;
+    if (a == kAovs) refuse("--aov", name, aov_names());
     set = set | AovSet{static_cast<Aov>(a)};
   }
   return set;

@@ -72,9 +72,8 @@ Image error_map(const FrameImage& frame) {
 }
 
 std::string layer_name(Aov a, const Provenance& from) {
-  const int group = static_cast<int>(a) - static_cast<int>(Aov::light_group);
-  if (group < 0) return std::string(info(a).name);
-  const auto g = static_cast<std::size_t>(group);
+  if (!is_light_group(static_cast<int>(a))) return std::string(info(a).name);
+  const auto g = static_cast<std::size_t>(a) - static_cast<std::size_t>(Aov::light_group);
   return g < from.light_groups.size() ? "light_" + from.light_groups[g] : std::string(info(a).name);
 }
 

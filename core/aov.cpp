@@ -45,6 +45,8 @@ constexpr std::array<AovInfo, kAovs> table() {
   for (int g = 0; g < 8; ++g)
     t[static_cast<std::size_t>(light_group_aov(g))] = {
         light_group_aov(g), kGroupNames[static_cast<std::size_t>(g)], "RGB", 3, 1, mean};
+  t[static_cast<std::size_t>(Aov::next_motion)] = {Aov::next_motion, "next_motion", "XY", 2, 1, point};
+  t[static_cast<std::size_t>(Aov::next_depth)] = {Aov::next_depth, "next", "Z", 1, 1, point};
   return t;
 }
 constexpr std::array<AovInfo, kAovs> kInfo = table();

@@ -41,8 +41,10 @@ enum class Aov : std::uint8_t {
   sample_vectors = 22,  // what Random Parameter Filtering wants of each of the first kLeafSamples samples:
                         // see SampleVector
   light_group = 24,     // and 25 to 31: light of group 0 to 7, of all bounces
+  next_motion = 32,     // pixels from where the surface is now to where it will be seen one frame later
+  next_depth = 33,      // view depth of that surface point one frame later; kSkyDepth for sky
 };
-inline constexpr int kAovs = 32;
+inline constexpr int kAovs = 34;
 
 inline constexpr float kSkyDepth = 1e30f;
 
@@ -65,8 +67,9 @@ struct AovInfo {
 const AovInfo& info(Aov);
 // The channel's name in its layer.
 std::string channel_name(Aov, int channel);
-// Numbers 23 is nobody's.
+// Number 23 is nobody's.
 constexpr bool is_aov(int number) { return number >= 0 && number < kAovs && number != 23; }
+constexpr bool is_light_group(int number) { return number >= 24 && number < 32; }
 constexpr Aov light_group_aov(int group) {
   return static_cast<Aov>(static_cast<int>(Aov::light_group) + group);
 }

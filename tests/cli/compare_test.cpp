@@ -10,6 +10,7 @@
 #include <random>
 #include <sstream>
 
+#include "cli/sizes.h"
 #include "core/error.h"
 #include "core/exr.h"
 #include "core/quality/display.h"

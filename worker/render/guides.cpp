@@ -8,8 +8,9 @@ namespace {
 
 constexpr float kMiddle = 0.5f;  // of the shutter
 
-constexpr std::initializer_list<Aov> kPointAovs{Aov::motion,    Aov::previous_depth, Aov::geometric_normal,
-                                                Aov::object_id, Aov::material_id,    Aov::depth_gradient};
+constexpr std::initializer_list<Aov> kPointAovs{Aov::motion,      Aov::previous_depth, Aov::geometric_normal,
+                                                Aov::object_id,   Aov::material_id,    Aov::depth_gradient,
+                                                Aov::next_motion, Aov::next_depth};
 
 bool any_of(AovSet aovs, std::initializer_list<Aov> wanted) {
   return std::any_of(wanted.begin(), wanted.end(), [&](Aov a) { return aovs.has(a); });
@@ -127,14 +128,29 @@ void Guides::point_samples(const BlockKeys& block, Packet& rays, SampleBlock& ou
           scene_.geometry().surface(hit, ray.origin, ray.direction, rays.distance(lane), kMiddle);
       point_sample(hit, s, ray, pixels[i], lane, out);
     } else {
-      // The sky is so far away that only the camera's turning moves it.
-      const Vec3 before = views_.before.origin(kMiddle) + ray.direction;
-      const std::optional<Vec2> seen = views_.before.pixel(before, kMiddle, pixels[i]);
-      const Vec2 motion = seen && !views_.now.parallel() ? pixels[i] - *seen : Vec2(0, 0);
-      out.set(Aov::motion, lane, motion);
-      out.set(Aov::previous_depth, lane, kSkyDepth);
+      sky_point(ray, pixels[i], lane, out);
     }
   }
+}
+
+// The sky is so far away that only the camera's turning moves it.
+void Guides::sky_point(const Ray& ray, const Vec2& pixel, int lane, SampleBlock& out) const {
+  const auto way_between = [&](const CameraRays& from, const CameraRays& to) {
+    if (views_.now.parallel()) return Vec2(0, 0);
+    return way(from, from.origin(kMiddle) + ray.direction, to, to.origin(kMiddle) + ray.direction, pixel);
+  };
+  if (out.has(Aov::motion)) out.set(Aov::motion, lane, way_between(views_.before, views_.now));
+  if (out.has(Aov::next_motion)) out.set(Aov::next_motion, lane, way_between(views_.now, views_.after));
+  out.set(Aov::previous_depth, lane, kSkyDepth);
+  out.set(Aov::next_depth, lane, kSkyDepth);
+}
+
+// What is behind a camera is nowhere: as if it came from, or went, outside of any frame. Both ends are
+// rounded alike: what rests moves by nothing.
+Vec2 Guides::way(const CameraRays& from, const Vec3& there, const CameraRays& to, const Vec3& here,
+                 const Vec2& pixel) {
+  const std::optional<Vec2> start = from.pixel(there, kMiddle, pixel), end = to.pixel(here, kMiddle, pixel);
+  return start && end ? *end - *start : Vec2(kSkyDepth, kSkyDepth);
 }
 
 void Guides::point_sample(const Hit& hit, const Surface& s, const Ray& ray, const Vec2& pixel, int lane,
@@ -143,15 +159,16 @@ void Guides::point_sample(const Hit& hit, const Surface& s, const Ray& ray, cons
   out.set(Aov::object_id, lane, static_cast<float>(scene_.geometry().object(hit) + 1));
   out.set(Aov::material_id, lane, static_cast<float>(s.material + 1));
   if (out.has(Aov::depth_gradient)) out.set(Aov::depth_gradient, lane, depth_gradient(s, pixel));
-  if (!out.has(Aov::motion) && !out.has(Aov::previous_depth)) return;
-  const Vec3 before = scene_.one_frame_before(hit, s.position);
-  const std::optional<Vec2> then = views_.before.pixel(before, kMiddle, pixel);
-  // Rounded like where it was: what rests moves by nothing.
-  const std::optional<Vec2> now = views_.now.pixel(s.position, kMiddle, pixel);
-  // What was behind the camera was nowhere: as if it had come from outside of any frame.
-  const Vec2 motion = then && now ? *now - *then : Vec2(kSkyDepth, kSkyDepth);
-  out.set(Aov::motion, lane, motion);
-  out.set(Aov::previous_depth, lane, views_.before.depth(before, kMiddle));
+  if (out.has(Aov::motion) || out.has(Aov::previous_depth)) {
+    const Vec3 before = scene_.frames_later(hit, s.position, -1);
+    out.set(Aov::motion, lane, way(views_.before, before, views_.now, s.position, pixel));
+    out.set(Aov::previous_depth, lane, views_.before.depth(before, kMiddle));
+  }
+  if (out.has(Aov::next_motion) || out.has(Aov::next_depth)) {
+    const Vec3 after = scene_.frames_later(hit, s.position, 1);
+    out.set(Aov::next_motion, lane, way(views_.now, s.position, views_.after, after, pixel));
+    out.set(Aov::next_depth, lane, views_.after.depth(after, kMiddle));
+  }
 }
 
 // By the tangent plane, half a pixel to each side. 0 where the plane is seen edge on.

@@ -15,6 +15,7 @@ namespace tessera::tracer {
 struct Views {
   CameraRays now;
   CameraRays before;  // one frame earlier
+  CameraRays after;   // one frame later
 };
 
 class Guides {
@@ -43,6 +44,10 @@ class Guides {
  private:
   void point_sample(const Hit& hit, const Surface& s, const Ray& ray, const Vec2& pixel, int lane,
                     SampleBlock& out) const;
+  // The way on the picture from where something is seen through `from` to where it is seen through `to`.
+  static Vec2 way(const CameraRays& from, const Vec3& there, const CameraRays& to, const Vec3& here,
+                  const Vec2& pixel);
+  void sky_point(const Ray& ray, const Vec2& pixel, int lane, SampleBlock& out) const;
   Vec2 depth_gradient(const Surface& s, const Vec2& pixel) const;
   void vector_part(int at, int lane, const Vec3& v, SampleBlock& out) const;
 

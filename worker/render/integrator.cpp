@@ -17,9 +17,11 @@ constexpr float kConeShare = 0.1f;
 Views views_of(const RenderScene& scene, const RenderSettings& settings, int frame) {
   const Scene& s = scene.scene();
   const Camera& camera = s.cameras[camera_index(s, settings.camera)];
-  const Shutter now = shutter_of(s, camera, frame), before = shutter_of(s, camera, frame - 1);
-  return {CameraRays(s, camera, settings.size, now.open, now.close),
-          CameraRays(s, camera, settings.size, before.open, before.close)};
+  const auto at = [&](double number) {
+    const Shutter shutter = shutter_of(s, camera, number);
+    return CameraRays(s, camera, settings.size, shutter.open, shutter.close);
+  };
+  return {at(frame), at(frame - 1.0), at(frame + 1.0)};
 }
 
 }  // namespace

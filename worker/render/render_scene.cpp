@@ -55,7 +55,7 @@ bool any_material(const Scene& scene, const auto& is) {
 
 }  // namespace
 
-tracer::Shutter tracer::shutter_of(const Scene& scene, const Camera& camera, int frame) {
+tracer::Shutter tracer::shutter_of(const Scene& scene, const Camera& camera, double frame) {
   const double fps = scene.frames_per_second;
   return {(frame + double(camera.shutter_open)) / fps, (frame + double(camera.shutter_close)) / fps};
 }
@@ -80,13 +80,13 @@ RenderScene::RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shu
   for (std::uint32_t i = 0; i < geometry_.pieces.size(); ++i) moves_ |= geometry_.steps(i) > 1;
 }
 
-Vec3 RenderScene::one_frame_before(const tracer::Hit& hit, const Vec3& position) const {
+Vec3 RenderScene::frames_later(const tracer::Hit& hit, const Vec3& position, int frames) const {
   const int object = geometry_.object(hit);
   if (object < 0 || scene_->objects[static_cast<std::size_t>(object)].track < 0) return position;
   const double middle = (shutter_.open + shutter_.close) / 2;
   const Matrix now = geometry_.to_world(hit.piece, 0.5f);
-  const Matrix before = geometry_.to_world_at(hit.piece, middle - 1.0 / scene_->frames_per_second);
-  return tracer::moved(tracer::moved(position, now.inverse()), before);
+  const Matrix then = geometry_.to_world_at(hit.piece, middle + frames / double(scene_->frames_per_second));
+  return tracer::moved(tracer::moved(position, now.inverse()), then);
 }
 
 std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene> scene, const RenderSettings& settings,

@@ -12,7 +12,7 @@ namespace tessera {
 
 namespace tracer {
 // When the camera's shutter is open for a frame.
-Shutter shutter_of(const Scene& scene, const Camera& camera, int frame);
+Shutter shutter_of(const Scene& scene, const Camera& camera, double frame);
 }  // namespace tracer
 
 class RenderScene {
@@ -32,8 +32,8 @@ class RenderScene {
   bool parts_light() const { return parts_light_; }  // a light counts differently for diffuse and specular
   bool shows_unlit() const { return shows_unlit_; }
 
-  // Where a point of a surface, as it is at the middle of the shutter, was one frame earlier.
-  Vec3 one_frame_before(const tracer::Hit& hit, const Vec3& position) const;
+  // Where a point of a surface, as it is at the middle of the shutter, is `frames` later, or was.
+  Vec3 frames_later(const tracer::Hit& hit, const Vec3& position, int frames) const;
 
  private:
   std::shared_ptr<const Scene> scene_;  // shared with the worker's cache of loaded scenes

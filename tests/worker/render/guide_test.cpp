@@ -129,6 +129,53 @@ TEST(Guides, MotionFollowsACameraOnATrack) {
   EXPECT_NEAR(r.at(Aov::previous_depth, 0, 6, 9), 5, 1e-4f);
 }
 
+TEST(Guides, NextMotionLeadsToWhereTheNextFrameCameFrom) {
+  Scene scene = wall(painted({0.5f, 0.5f, 0.5f}));
+  scene.frames_per_second = 10;
+  // Unevenly, so that before and after differ: 0.1 m to the right, then 0.2 m up and 1 m ahead.
+  scene.tracks = {
+      {{0, 0.1f, 0.2f},
+       {Matrix(), Matrix().translate(Vec3(0.1f, 0, 0)), Matrix().translate(Vec3(0.1f, 0.2f, -1))}}};
+  scene.cameras[0].track = 0;
+  const AovSet aovs{Aov::motion, Aov::previous_depth, Aov::next_motion, Aov::next_depth};
+  const Rendered now(scene, aovs, 0, 8, 1);
+  const float slope = 2 * std::tan(0.5f) / kEdge;  // a pixel's, at depth 1
+  EXPECT_NEAR(now.at(Aov::motion, 0, 6, 9), -0.1f / 5 / slope, 1e-3f);
+  EXPECT_NEAR(now.at(Aov::motion, 1, 6, 9), 0, 1e-3f);
+  EXPECT_NEAR(now.at(Aov::next_depth, 0, 6, 9), 4, 1e-4f);
+  // The point at depth 5 through pixel (6.5, 9.5) is seen from 0.2 m higher, at depth 4.
+  const float x = (6.5f - kEdge / 2) * slope * 5, y = (9.5f - kEdge / 2) * slope * 5 + 0.2f;
+  EXPECT_NEAR(now.at(Aov::next_motion, 0, 6, 9), x / 4 / slope + kEdge / 2 - 6.5f, 1e-3f);
+  EXPECT_NEAR(now.at(Aov::next_motion, 1, 6, 9), y / 4 / slope + kEdge / 2 - 9.5f, 1e-3f);
+}
+
+TEST(Guides, NextMotionFollowsAnObjectThatMovesAsItsMotionWillHaveBeen) {
+  Scene scene = wall(painted({0.5f, 0.5f, 0.5f}));
+  scene.frames_per_second = 1;
+  scene.objects = {{.name = "wall", .track = 0}};
+  scene.instances[0].object = 0;
+  scene.tracks = {{{0, 2}, {Matrix(), Matrix().translate(Vec3(1, -0.5f, 0))}}};  // at an even pace
+  const AovSet aovs{Aov::motion, Aov::previous_depth, Aov::next_motion, Aov::next_depth};
+  const Rendered r(scene, aovs, 0, 8, 1);
+  EXPECT_GT(r.at(Aov::next_motion, 0, 6, 9), 0.2f) << "to the right";
+  EXPECT_GT(r.at(Aov::next_motion, 1, 6, 9), 0.1f) << "down";
+  for (const int c : {0, 1})
+    EXPECT_NEAR(r.at(Aov::next_motion, c, 6, 9), r.at(Aov::motion, c, 6, 9), 1e-4f) << "as before";
+  EXPECT_NEAR(r.at(Aov::next_depth, 0, 6, 9), r.at(Aov::previous_depth, 0, 6, 9), 1e-5f);
+}
+
+TEST(Guides, WhatRestsStaysWhereItIsAndTheSkyIsFar) {
+  Scene scene;
+  add_floor(scene, {0.5f, 0.5f, 0.5f});
+  scene.cameras = {camera_at({0, 1, 0}, {0, 1, -1}, 1.0f)};
+  const AovSet aovs{Aov::next_motion, Aov::next_depth};
+  const Rendered r(scene, aovs, 0, 8);
+  for (const int y : {2, 12})
+    for (const int c : {0, 1}) EXPECT_EQ(r.at(Aov::next_motion, c, 5, y), 0) << y;
+  EXPECT_EQ(r.at(Aov::next_depth, 0, 5, 2), kSkyDepth);
+  EXPECT_LT(r.at(Aov::next_depth, 0, 5, 14), 10);
+}
+
 TEST(Guides, TheSkyMovesOnlyWhenTheCameraTurns) {
   Scene scene = wall(painted({0.5f, 0.5f, 0.5f}));
   scene.instances.clear();
