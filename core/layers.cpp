@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 
 namespace tessera {
 namespace {
@@ -34,69 +35,104 @@ std::string joined(std::string_view layer, std::string_view letter) {
   return layer.empty() ? std::string(letter) : fmt::format("{}.{}", layer, letter);
 }
 
+struct OtherLayer {
+  std::string_view name;
+  std::string_view letters = {};  // of its channels, where they are other ones than those of `info`
+  std::array<float, 2> scale = {1, 1};
+};
+
+// Cycles' vectors are X, Y = before - now and Z, W = now - after, in pixels, y upwards.
+constexpr std::array<float, 2> kCyclesVector{-1, 1};
+
 // What others call the mean of all samples, the noisy one of two pictures first.
-std::vector<std::string_view> other_layers(const Channel& c) {
+std::vector<OtherLayer> other_layers(const Channel& c) {
   if (c.statistic != Statistic::mean || c.share != Share::all) return {};
   switch (c.aov) {
     case Aov::color:
-      return {"Noisy Image", "", "Combined"};
+      return {{"Noisy Image"}, {""}, {"Combined"}};
     case Aov::albedo:
-      return {"Denoising Albedo", "Albedo"};
+      return {{"Denoising Albedo"}, {"Albedo"}};
     case Aov::normal:
-      return {"Denoising Normal", "Ns", "Normal", "normal"};
+      return {{"Denoising Normal"}, {"Ns"}, {"Normal"}, {"normal"}};
     case Aov::position:
-      return {"Position"};
+      return {{"Position"}};
     case Aov::depth:
-      return {"Depth", "depth", "Denoising Depth"};
+      return {{"Depth"}, {"depth"}, {"Denoising Depth"}};
     case Aov::motion:
-      return {"Vector"};
+      return {{"Vector", "XY", kCyclesVector}, {"Vector", "RG", kCyclesVector}};
+    case Aov::next_motion:
+      return {{"Vector", "ZW", kCyclesVector}, {"Vector", "BA", kCyclesVector}};
+    case Aov::object_id:
+      return {{"IndexOB"}, {"Object Index"}};
+    case Aov::material_id:
+      return {{"IndexMA"}, {"Material Index"}};
     default:
       return {};
   }
 }
 
+constexpr std::array<std::string_view, 5> kMotionOfUnknownUnit{"motionvector", "motion_vector",
+                                                               "MotionVectors", "VRayVelocity", "velocity"};
+
 // Vectors are X, Y, Z or R, G, B; a single number goes by several letters.
-std::vector<std::string> other_letters(const Channel& c) {
+std::vector<std::string> letters_of(const Channel& c, std::string_view own_letters) {
+  const auto index = static_cast<std::size_t>(c.index);
+  if (!own_letters.empty()) return {std::string(1, own_letters[index])};
   const std::string own = file_letter(c);
   std::vector<std::string> letters{own};
-  const auto index = static_cast<std::size_t>(c.index);
   if (info(c.aov).letters == "XYZ") letters.emplace_back(1, "RGB"[index]);
   if (info(c.aov).letters.size() == 1)
-    for (const char* l : {"V", "Z", "Y", "R"})
+    for (const char* l : {"V", "Z", "Y", "R", "X"})
       if (l != own) letters.emplace_back(l);
   return letters;
+}
+
+// Of the name, or of any that ends in it after a view layer's.
+std::optional<int> named_plane(const ExrImage& file, std::string_view layer, std::string_view letter) {
+  const std::string name = joined(layer, letter);
+  if (const int plane = file.plane(name); plane >= 0) return plane;
+  if (layer.empty()) return std::nullopt;  // ViewLayer.R would be any layer's R
+  const std::string behind = "." + name;
+  const auto at =
+      std::ranges::find_if(file.channels, [&](const ExrChannel& e) { return e.name.ends_with(behind); });
+  if (at == file.channels.end()) return std::nullopt;
+  return static_cast<int>(at - file.channels.begin());
 }
 
 }  // namespace
 
 std::string file_channel(const Channel& c) { return joined(file_layer(c), file_letter(c)); }
 
-int plane_of(const ExrImage& file, const Channel& c) {
-  if (const int own = file.plane(file_channel(c)); own >= 0) return own;
-  std::vector<std::string_view> layers = other_layers(c);
+std::optional<FilePlane> find_plane(const ExrImage& file, const Channel& c) {
+  if (const int own = file.plane(file_channel(c)); own >= 0) return FilePlane{own};
+  std::vector<OtherLayer> layers = other_layers(c);
   const std::string ours = file_layer(c);
-  layers.insert(layers.begin(), ours);
-  for (const std::string_view layer : layers)
-    for (const std::string& letter : other_letters(c)) {
-      const std::string name = joined(layer, letter);
-      if (const int plane = file.plane(name); plane >= 0) return plane;
-      if (layer.empty()) continue;  // ViewLayer.R would be any layer's R
-      const std::string behind = "." + name;
-      const auto at =
-          std::ranges::find_if(file.channels, [&](const ExrChannel& e) { return e.name.ends_with(behind); });
-      if (at != file.channels.end()) return static_cast<int>(at - file.channels.begin());
-    }
-  return -1;
+  layers.insert(layers.begin(), {.name = ours});
+  for (const OtherLayer& layer : layers)
+    for (const std::string& letter : letters_of(c, layer.letters))
+      if (const auto plane = named_plane(file, layer.name, letter))
+        return FilePlane{*plane, c.index < 2 ? layer.scale[static_cast<std::size_t>(c.index)] : 1};
+  return std::nullopt;
+}
+
+std::optional<FilePlane> find_motion_of_unknown_unit(const ExrImage& file, const Channel& c) {
+  if (c.aov != Aov::motion) return std::nullopt;
+  for (const std::string_view layer : kMotionOfUnknownUnit)
+    for (const std::string_view letters : {"XY", "RG"})
+      if (const auto plane = named_plane(file, layer, letters.substr(static_cast<std::size_t>(c.index), 1)))
+        return FilePlane{*plane};
+  return std::nullopt;
 }
 
 std::string accepted_layers(const Channel& c) {
   const std::string_view letters = c.statistic == Statistic::samples ? "Y" : info(c.aov).letters;
-  const auto whole = [&](std::string_view layer) {
-    return layer.empty() ? fmt::format("{}", fmt::join(letters, ", ")) : fmt::format("{}.{}", layer, letters);
+  const auto whole = [&](std::string_view layer, std::string_view own_letters) {
+    const std::string_view all = own_letters.empty() ? letters : own_letters;
+    return layer.empty() ? fmt::format("{}", fmt::join(all, ", ")) : fmt::format("{}.{}", layer, all);
   };
   std::vector<std::string> others;
-  for (const std::string_view layer : other_layers(c)) others.push_back(whole(layer));
-  return whole(file_layer(c)) + (others.empty() ? "" : fmt::format(" (or {})", fmt::join(others, "; ")));
+  for (const OtherLayer& layer : other_layers(c)) others.push_back(whole(layer.name, layer.letters));
+  return whole(file_layer(c), "") + (others.empty() ? "" : fmt::format(" (or {})", fmt::join(others, "; ")));
 }
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 // What the statistics of a frame are called in files: in ours, and in those of other renderers.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,9 +16,19 @@ namespace tessera {
 // halves of samples are those of even and of odd index.
 std::string file_channel(const Channel&);
 
-// The plane of a file that holds it, or -1: under our name, or under one that Blender, pbrt, Mitsuba and
-// Arnold give it, with or without the name of a view layer in front.
-int plane_of(const ExrImage& file, const Channel&);
+struct FilePlane {
+  int number = 0;
+  float scale = 1;  // what its values are to be multiplied by
+  bool operator==(const FilePlane&) const = default;
+};
+
+// The plane of a file that holds it: under our name, or under one that Blender, pbrt, Mitsuba and Arnold give
+// it, with or without the name of a view layer in front.
+std::optional<FilePlane> find_plane(const ExrImage& file, const Channel&);
+
+// Motion as renderers write it whose unit depends on their settings or is not written down: Arnold's,
+// Redshift's and V-Ray's. Found only for Aov::motion.
+std::optional<FilePlane> find_motion_of_unknown_unit(const ExrImage& file, const Channel&);
 
 // Of the layer as a whole, for messages: "noisy.RGB (or Noisy Image.RGB, R, G, B)".
 std::string accepted_layers(const Channel&);

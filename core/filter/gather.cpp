@@ -12,12 +12,11 @@
 #include <set>
 
 #include "core/error.h"
+#include "core/filter/stand_ins.h"
 #include "core/layers.h"
 
 namespace tessera {
 namespace {
-
-constexpr float kFarthest = 1e10f;  // what Cycles writes where there is nothing
 
 using Plane = std::vector<float>;
 
@@ -28,24 +27,46 @@ class Gatherer {
 
   Gathered gather() {
     const std::vector<Channel> channels = plan_.inputs();
-    Gathered result{Image(region_, static_cast<int>(channels.size())), {}};
+    Gathered result{Image(region_, static_cast<int>(channels.size())), {}, {}};
     for (std::size_t k = 0; k < channels.size(); ++k) {
-      Plane plane = find_or_replace(channels[k]);
+      Plane plane = find_or_replace(in_its_time(channels[k]));
       if (channels[k].aov == Aov::depth && channels[k].statistic == Statistic::mean) mark_sky(plane);
+      if (channels[k].aov == Aov::previous_depth) mark_sky(plane);
       std::ranges::copy(plane, result.input.plane(static_cast<int>(k)).begin());
     }
+    mend_motion_of(result);
     result.notices = std::move(notices_);
     return result;
   }
 
  private:
+  // Backwards in time a filter goes by what comes after.
+  Channel in_its_time(Channel c) const {
+    if (!sources_.backwards) return c;
+    if (c.aov == Aov::motion) c.aov = Aov::next_motion;
+    if (c.aov == Aov::previous_depth) c.aov = Aov::next_depth;
+    return c;
+  }
+
   std::optional<Plane> find(const Channel& c) const {
     if (const auto own = separate(c)) return own;
-    const int plane = plane_of(*sources_.picture, c);
-    if (plane < 0) return std::nullopt;
-    const auto values = sources_.picture->pixels.plane(plane);
-    return Plane(values.begin(), values.end());
+    const auto plane = found_in(*sources_.picture, c);
+    return plane ? std::optional(taken(*sources_.picture, *plane, c)) : std::nullopt;
   }
+  std::optional<FilePlane> found_in(const ExrImage& file, const Channel& c) const {
+    const auto plane = find_plane(file, c);
+    return plane || !sources_.motion_scale ? plane : find_motion_of_unknown_unit(file, c);
+  }
+  Plane taken(const ExrImage& file, FilePlane plane, const Channel& c) const {
+    const auto values = file.pixels.plane(plane.number);
+    Plane result(values.begin(), values.end());
+    if (is_motion(c) && sources_.motion_scale)
+      plane.scale = (*sources_.motion_scale)[static_cast<std::size_t>(c.index)];
+    if (is_motion(c) && sources_.backwards) plane.scale = -plane.scale;
+    if (plane.scale != 1) std::ranges::for_each(result, [&](float& v) { v *= plane.scale; });
+    return result;
+  }
+  static bool is_motion(const Channel& c) { return c.aov == Aov::motion || c.aov == Aov::next_motion; }
 
   // From a file of that layer: under the layer's name, or as the file's own picture.
   std::optional<Plane> separate(const Channel& c) const {
@@ -56,11 +77,10 @@ class Gatherer {
     const ExrImage& file = at->second;
     if (file.pixels.region() != region_)
       throw InputError(layer, "its file covers other pixels than the picture", "files of one size and place");
-    int plane = plane_of(file, c);
-    if (plane < 0) plane = file.plane(std::string(1, "RGB"[std::min(c.index, 2)]));
-    if (plane < 0) plane = std::min(c.index, file.pixels.planes() - 1);
-    const auto values = file.pixels.plane(plane);
-    return Plane(values.begin(), values.end());
+    auto plane = found_in(file, c);
+    if (!plane) plane = {file.plane(std::string(1, "RGB"[std::min(c.index, 2)]))};
+    if (plane->number < 0) plane = {std::min(c.index, file.pixels.planes() - 1)};
+    return taken(file, *plane, c);
   }
 
   Plane find_or_replace(const Channel& c) {
@@ -71,8 +91,15 @@ class Gatherer {
     throw InputError(name_,
                      fmt::format("filter '{}' takes {}, which is not there; there are: {}", plan_.name,
                                  accepted_layers(c), fmt::join(there, ", ")),
-                     fmt::format("a file with that layer, or --guide {}=FILE",
-                                 file_channel(c).substr(0, file_channel(c).rfind('.'))));
+                     accepted_instead(c));
+  }
+  std::string accepted_instead(const Channel& c) const {
+    std::string text = fmt::format("a file with that layer, or --guide {}=FILE", layer(c));
+    if (!is_motion(c)) return text;
+    if (const auto other = find_motion_of_unknown_unit(*sources_.picture, c))
+      text += fmt::format(", or --motion-scale, which says how to read {}",
+                          sources_.picture->channels[static_cast<std::size_t>(other->number)].name);
+    return text + ", or --static, if nothing moves";
   }
 
   std::optional<Plane> replacement(const Channel& c) {
@@ -85,7 +112,51 @@ class Gatherer {
       return zeros();
     }
     if (c.aov == Aov::direct || c.aov == Aov::indirect) return one_light(c);
-    return std::nullopt;
+    return of_surface(c);
+  }
+
+  // What temporal filters tell surfaces apart by.
+  std::optional<Plane> of_surface(const Channel& c) {
+    switch (c.aov) {
+      case Aov::motion:
+      case Aov::next_motion:
+        return sources_.resting ? std::optional(zeros()) : std::nullopt;
+      case Aov::previous_depth:
+      case Aov::next_depth:
+        if (!sources_.resting)
+          say(fmt::format("no layer {}: surfaces count as having been as deep as they are", layer(c)));
+        return find_or_replace({Aov::depth, 0});
+      case Aov::geometric_normal:
+        say(fmt::format("no layer {}: the shading normals N stand in", layer(c)));
+        return find_or_replace({Aov::normal, c.index});
+      case Aov::object_id:
+      case Aov::material_id:
+        say(fmt::format("no layer {}: all surfaces count as one there", layer(c)));
+        return zeros();
+      case Aov::depth_gradient: {
+        say(fmt::format("no layer {}: it is the difference of neighbouring depths", layer(c)));
+        Image depth(region_, 1, find_or_replace({Aov::depth, 0}));
+        mark_sky(depth.data());
+        const Image slope = depth_differences(depth);
+        return Plane(slope.plane(c.index).begin(), slope.plane(c.index).end());
+      }
+      default:
+        return std::nullopt;
+    }
+  }
+
+  void mend_motion_of(Gathered& gathered) const {
+    const std::vector<Channel> channels = plan_.inputs();
+    const auto at = std::ranges::find(channels, Channel{Aov::motion, 0});
+    if (at == channels.end()) return;
+    const int plane = static_cast<int>(at - channels.begin());  // and y behind it
+    const BrokenPixels broken = mend_motion({gathered.input.plane(plane), gathered.input.plane(plane + 1)});
+    if (broken.count == 0) return;
+    const int first = static_cast<int>(broken.first);
+    gathered.defects.push_back(
+        fmt::format("{}: {} of {} pixels lead nowhere, the first at ({}, {}): they start anew",
+                    layer(in_its_time(*at)), broken.count, region_.area(),
+                    region_.x0 + first % region_.width(), region_.y0 + first / region_.width()));
   }
 
   std::optional<Plane> samples(const Channel& c) {
@@ -139,11 +210,6 @@ class Gatherer {
     return light;
   }
 
-  static void mark_sky(Plane& depth) {
-    for (float& z : depth)
-      if (!(std::abs(z) < kFarthest)) z = kSkyDepth;
-  }
-
   std::string layer(const Channel& c) const {
     const std::string whole = file_channel(c);
     return whole.substr(0, whole.rfind('.'));
@@ -162,58 +228,10 @@ class Gatherer {
   std::vector<std::string> notices_;
 };
 
-// The response at (x, y), the picture continued by its border pixels; scaled to the standard deviation of
-// noise.
-double response(const Image& picture, int plane, int x, int y) {
-  constexpr int kMask[3][3] = {{1, -2, 1}, {-2, 4, -2}, {1, -2, 1}};
-  const Region& r = picture.region();
-  double sum = 0;
-  for (int j = -1; j <= 1; ++j)
-    for (int i = -1; i <= 1; ++i)
-      sum += kMask[j + 1][i + 1] *
-             double(picture.at(plane, std::clamp(x + i, r.x0, r.x1 - 1), std::clamp(y + j, r.y0, r.y1 - 1)));
-  return std::isfinite(sum) ? sum / 6 : 0;
-}
-
-// Means over 7 along each row, then along each column, of what lies in the picture.
-void average(Image& image, int plane) {
-  const Region& r = image.region();
-  for (const bool along_x : {true, false}) {
-    Image to(r, 1);
-    for (int y = r.y0; y < r.y1; ++y)
-      for (int x = r.x0; x < r.x1; ++x) {
-        double sum = 0;
-        int count = 0;
-        for (int k = -3; k <= 3; ++k) {
-          const int qx = along_x ? x + k : x, qy = along_x ? y : y + k;
-          if (!r.contains(qx, qy)) continue;
-          sum += image.at(plane, qx, qy);
-          ++count;
-        }
-        to.at(0, x, y) = static_cast<float>(sum / count);
-      }
-    std::ranges::copy(to.data(), image.plane(plane).begin());
-  }
-}
-
 }  // namespace
 
 Gathered gather(const FilterPlan& plan, const Sources& sources, const std::string& name_of_picture) {
   return Gatherer(plan, sources, name_of_picture).gather();
-}
-
-Image estimated_variance(const Image& picture) {
-  Image variance(picture.region(), picture.planes());
-  const Region& r = picture.region();
-  for (int p = 0; p < picture.planes(); ++p) {
-    for (int y = r.y0; y < r.y1; ++y)
-      for (int x = r.x0; x < r.x1; ++x) {
-        const double noise = response(picture, p, x, y);
-        variance.at(p, x, y) = static_cast<float>(std::min(noise * noise, 1e30));
-      }
-    average(variance, p);
-  }
-  return variance;
 }
 
 SceneFacts facts_of(const FilterPlan& plan, const Image& input, const Sources& sources) {
@@ -230,9 +248,9 @@ SceneFacts facts_of(const FilterPlan& plan, const Image& input, const Sources& s
   double farthest = 0;
   const auto area = static_cast<std::size_t>(input.region().area());
   for (int c = 0; c < 3; ++c) {
-    const int plane = plane_of(picture, {Aov::position, c});
-    for (std::size_t i = 0; plane >= 0 && i < area; ++i) {
-      const float v = picture.pixels.plane(plane)[i];
+    const auto plane = find_plane(picture, {Aov::position, c});
+    for (std::size_t i = 0; plane && i < area; ++i) {
+      const float v = picture.pixels.plane(plane->number)[i];
       if (sky(i) || !std::isfinite(v)) continue;
       low[static_cast<std::size_t>(c)] = std::min(low[static_cast<std::size_t>(c)], v);
       high[static_cast<std::size_t>(c)] = std::max(high[static_cast<std::size_t>(c)], v);

@@ -2,6 +2,7 @@
 // What a filter takes, gathered from files that some renderer has written.
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -17,23 +18,26 @@ struct Sources {
   std::map<std::string, ExrImage>
       separate;  // by layer ("albedo", "N", "Z", ...): files of that layer alone, or among others
   std::optional<double> samples;  // per pixel, where no file says how many
+  // By what motion vectors are multiplied, to be pixels per frame to the right and down, in place of what is
+  // known of their names; without it, those whose unit is not known are not taken.
+  std::optional<std::array<float, 2>> motion_scale = {};
+  bool resting = false;    // where there are no motion vectors, nothing moves
+  bool backwards = false;  // for a filter that goes from the last frame to the first
 };
 
 struct Gathered {
   Image input;                       // plan.inputs() over the picture's data window
   std::vector<std::string> notices;  // what was not there, and what stands in for it
+  std::vector<std::string> defects;  // what is broken in this picture
 };
 
-// Depth of 1e10 and more (the sky of Cycles), or that is not finite, becomes kSkyDepth. What can be found in
-// no file: variances of light are estimated from the picture; other variances count as 0; halves are the
-// whole; emission is none; direct and indirect light are filtered as one. All of that is said in the notices.
-// Throws InputError that names the layer for anything else, and for files of another size.
+// Depths that mean sky become kSkyDepth, motion that cannot be leads nowhere (see stand_ins.h). What can be
+// found in no file: variances of light are estimated from the picture; other variances count as 0; halves are
+// the whole; emission is none; direct and indirect light are filtered as one; of what temporal filters take,
+// the depth before is the depth now, geometric normals are shading normals, ids are 0 and depth's gradient is
+// its difference between pixels. All of that is said in the notices. Throws InputError that names the layer
+// for anything else, motion among them, and for files of another size.
 Gathered gather(const FilterPlan&, const Sources&, const std::string& name_of_picture);
-
-// The variance of each pixel's noise, from the picture alone: the squared response of the 3x3 difference of
-// two Laplacians (which is blind to planes; J. Immerkaer: Fast Noise Variance Estimation, CVIU 1996),
-// averaged over 7x7. Detail counts as noise. One plane for each of `picture`.
-Image estimated_variance(const Image& picture);
 
 // The scene's facts as far as a frame tells them: the diagonal of what P holds, else the largest depth.
 SceneFacts facts_of(const FilterPlan&, const Image& input, const Sources&);

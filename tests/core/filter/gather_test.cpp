@@ -7,7 +7,8 @@
 #include <random>
 
 #include "core/error.h"
-#include "core/layers.h"
+#include "core/filter/stand_ins.h"
+#include "tests/core/filter/made_files.h"
 
 namespace tessera {
 namespace {
@@ -17,29 +18,10 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr Region kRegion{2, 3, 9, 8};
-
-// A file whose channel number i is i + 1 everywhere.
-ExrImage file(const std::vector<std::string>& names) {
-  ExrImage image;
-  image.display = kRegion;
-  image.pixels = Image(kRegion, static_cast<int>(names.size()));
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    image.channels.push_back({names[i], false});
-    std::ranges::fill(image.pixels.plane(static_cast<int>(i)), static_cast<float>(i + 1));
-  }
-  return image;
-}
-
 Image gathered(const FilterPlan& plan, const ExrImage& picture, std::vector<std::string>* notices = nullptr) {
   Gathered g = gather(plan, {&picture, {}, {}}, "picture.exr");
   if (notices) *notices = g.notices;
   return g.input;
-}
-
-float first_of(const FilterPlan& plan, const Image& input, const Channel& c) {
-  const std::vector<Channel> inputs = plan.inputs();
-  return input.plane(static_cast<int>(std::ranges::find(inputs, c) - inputs.begin()))[0];
 }
 
 TEST(Layers, HaveTheNamesOfOurFiles) {
@@ -53,8 +35,9 @@ TEST(Layers, HaveTheNamesOfOurFiles) {
 }
 
 TEST(Layers, AreFoundUnderTheNamesThatOthersGiveThem) {
-  const ExrImage blender = file({"ViewLayer.Combined.R", "ViewLayer.Denoising Albedo.R", "ViewLayer.Denoising Normal.X",
-                                 "ViewLayer.Depth.Z", "ViewLayer.Noisy Image.R"});
+  const ExrImage blender =
+      file({"ViewLayer.Combined.R", "ViewLayer.Denoising Albedo.R", "ViewLayer.Denoising Normal.X",
+            "ViewLayer.Depth.Z", "ViewLayer.Noisy Image.R"});
   EXPECT_EQ(plane_of(blender, {Aov::color, 0}), 4) << "the noisy one of two";
   EXPECT_EQ(plane_of(blender, {Aov::albedo, 0}), 1);
   EXPECT_EQ(plane_of(blender, {Aov::normal, 0}), 2);
@@ -93,28 +76,31 @@ TEST(Gather, RefusesAMissingGuideByItsName) {
 }
 
 TEST(Gather, SaysWhatStandsInForWhatIsMissing) {
-  const ExrImage picture =
-      file({"R", "G", "B", "Z", "N.X", "N.Y", "N.Z", "albedo.R", "albedo.G", "albedo.B", "emission.R", "emission.G",
-            "emission.B"});
+  const ExrImage picture = file({"R", "G", "B", "Z", "N.X", "N.Y", "N.Z", "albedo.R", "albedo.G", "albedo.B",
+                                 "emission.R", "emission.G", "emission.B"});
   const FilterPlan plan = parse_filter("svgf");
   std::vector<std::string> notices;
   const Image input = gathered(plan, picture, &notices);
   EXPECT_EQ(first_of(plan, input, {Aov::direct, 1}), 2 - 12) << "colour without emission";
   EXPECT_EQ(first_of(plan, input, {Aov::indirect, 1}), 0);
-  EXPECT_EQ(first_of(plan, input, {Aov::direct, 1, Statistic::variance_of_mean}), 0) << "a constant has no noise";
-  EXPECT_THAT(notices, ElementsAre(HasSubstr("filtered as one"), HasSubstr("direct_variance: it is estimated"),
-                                   HasSubstr("indirect_variance: it is estimated")));
+  EXPECT_EQ(first_of(plan, input, {Aov::direct, 1, Statistic::variance_of_mean}), 0)
+      << "a constant has no noise";
+  EXPECT_THAT(notices,
+              ElementsAre(HasSubstr("filtered as one"), HasSubstr("direct_variance: it is estimated"),
+                          HasSubstr("indirect_variance: it is estimated")));
 }
 
 TEST(Gather, ReadsTheSkyOfOthersAsOurs) {
-  ExrImage picture = file({"R", "G", "B", "Z", "N.X", "N.Y", "N.Z", "albedo.R", "albedo.G", "albedo.B", "P.X", "P.Y",
-                           "P.Z", "emission.R", "emission.G", "emission.B"});
-  const float sky[] = {1e10f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN(), 9e9f};
+  ExrImage picture = file({"R", "G", "B", "Z", "N.X", "N.Y", "N.Z", "albedo.R", "albedo.G", "albedo.B", "P.X",
+                           "P.Y", "P.Z", "emission.R", "emission.G", "emission.B"});
+  const float sky[] = {1e10f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN(),
+                       9e9f};
   std::ranges::copy(sky, picture.pixels.plane(3).begin());
   const FilterPlan plan = parse_filter("atrous");
   const Image input = gathered(plan, picture);
   const auto inputs = plan.inputs();
-  const auto depth = input.plane(static_cast<int>(std::ranges::find(inputs, Channel{Aov::depth, 0}) - inputs.begin()));
+  const auto depth =
+      input.plane(static_cast<int>(std::ranges::find(inputs, Channel{Aov::depth, 0}) - inputs.begin()));
   EXPECT_THAT(depth.first(4), ElementsAre(kSkyDepth, kSkyDepth, kSkyDepth, 9e9f));
 }
 
@@ -132,8 +118,33 @@ TEST(Gather, PrefersASeparateFileAndRefusesOneOfAnotherSize) {
   EXPECT_THROW(gather(plan, sources, "picture.exr"), InputError);
 }
 
-// White noise of variance s^2 gives a mean of s^2; 7x7 means of it, of which about 49 / 4 are independent, deviate
-// by sqrt(2 * 4 / 49) of it, and their mean over many by less.
+TEST(Layers, ReadTheVectorsOfCyclesAsMotionToTheRightAndDown) {
+  const ExrImage blender =
+      file({"ViewLayer.Vector.W", "ViewLayer.Vector.X", "ViewLayer.Vector.Y", "ViewLayer.Vector.Z"});
+  EXPECT_EQ(find_plane(blender, {Aov::motion, 0}), (FilePlane{1, -1}));
+  EXPECT_EQ(find_plane(blender, {Aov::motion, 1}), (FilePlane{2, 1}));
+  EXPECT_EQ(find_plane(blender, {Aov::next_motion, 0}), (FilePlane{3, -1}));
+  EXPECT_EQ(find_plane(blender, {Aov::next_motion, 1}), (FilePlane{0, 1}));
+  const ExrImage compositor = file({"Vector.A", "Vector.B", "Vector.G", "Vector.R"});
+  EXPECT_EQ(find_plane(compositor, {Aov::motion, 1}), (FilePlane{2, 1}));
+  EXPECT_EQ(find_plane(compositor, {Aov::next_motion, 1}), (FilePlane{0, 1}));
+  EXPECT_EQ(find_plane(file({"Vector.X", "motion.X"}), {Aov::motion, 0}), (FilePlane{1, 1})) << "ours first";
+  EXPECT_EQ(plane_of(file({"ViewLayer.IndexOB.X"}), {Aov::object_id, 0}), 0);
+  EXPECT_EQ(plane_of(file({"ViewLayer.IndexMA.X"}), {Aov::material_id, 0}), 0);
+}
+
+TEST(Layers, KnowTheNamesOfMotionThatOthersWriteInUnitsOfTheirSettings) {
+  const ExrImage arnold = file({"motionvector.G", "motionvector.R"}),
+                 vray = file({"VRayVelocity.X", "VRayVelocity.Y"});
+  EXPECT_FALSE(find_plane(arnold, {Aov::motion, 0})) << "not without --motion-scale";
+  EXPECT_EQ(find_motion_of_unknown_unit(arnold, {Aov::motion, 0}), (FilePlane{1}));
+  EXPECT_EQ(find_motion_of_unknown_unit(vray, {Aov::motion, 1}), (FilePlane{1}));
+  EXPECT_FALSE(find_motion_of_unknown_unit(arnold, {Aov::next_motion, 0}));
+  EXPECT_FALSE(find_motion_of_unknown_unit(arnold, {Aov::albedo, 0}));
+}
+
+// White noise of variance s^2 gives a mean of s^2; 7x7 means of it, of which about 49 / 4 are independent,
+// deviate by sqrt(2 * 4 / 49) of it, and their mean over many by less.
 TEST(EstimatedVariance, IsThatOfWhiteNoiseOnAPlane) {
   const Region region{0, 0, 200, 200};
   Image picture(region, 1);
