@@ -2,23 +2,27 @@
 // `tessera denoise`: runs a filter on files that some renderer has written, one image or a sequence of them.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
+#include <cstdint>
 #include <iosfwd>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "core/filter/filter.h"
-#include "core/region.h"
+namespace CLI {
+class App;
+}
 
 namespace tessera {
 
 struct DenoiseOptions {
   std::string input, output;  // EXR files, or patterns of a sequence
   std::string frames;         // of a sequence; empty: all that are there
+  int handles = 0;            // frames around them that are read for the sake of history
+  bool both_ways = false;     // by the frames that follow, too
   std::string filter = "svgf";
   std::vector<std::string> guides;  // LAYER=FILE
+  std::string motion_scale;         // X,Y; empty: as the vectors' names say
+  bool resting = false;             // nothing moves where there are no motion vectors
   std::optional<double> samples;    // per pixel
   std::string tile_size;            // empty: as large as `memory` allows
   std::uint64_t memory = 1024;      // MiB that filtering a tile may take
@@ -30,11 +34,8 @@ struct DenoiseOptions {
 
 void describe(CLI::App&, DenoiseOptions&);
 
-// Filters every frame; one that fails does not keep the others from being written. Returns the exit code.
+// Filters every frame, in ascending order; one that fails does not keep the others from being written.
+// Returns the exit code.
 int denoise(const DenoiseOptions&, std::ostream& out, std::ostream& problems);
-
-// The largest tile, whole or halved again and again, whose planes with halo fit into `bytes`. Throws
-// Error(out_of_memory) that says how much the least one takes.
-Size tile_within(const FilterPlan&, const Region& frame, std::uint64_t bytes);
 
 }  // namespace tessera

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/denoise.h"
-
 #include <gmock/gmock.h>
 
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <random>
-#include <sstream>
 
-#include "core/error.h"
-#include "core/exr.h"
+#include "cli/walk.h"
 #include "core/layers.h"
-#include "worker/denoise/device.h"
+#include "tests/cli/denoise_fixture.h"
 
 namespace tessera {
 namespace {
@@ -19,18 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-class Denoise : public testing::Test {
+class Denoise : public DenoiseFixture {
  protected:
-  void SetUp() override {
-    if (list_devices().empty()) GTEST_SKIP() << "no OpenCL device on this machine";
-    folder_ = fs::path(testing::TempDir()) / ("tessera-denoise" + std::to_string(std::random_device{}()));
-    fs::create_directories(folder_);
-  }
-  ~Denoise() override {
-    if (!folder_.empty()) fs::remove_all(folder_);
-  }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-
   // A noisy picture with all that atrous takes.
   ExrImage picture(unsigned seed = 1) const {
     const Region region{0, 0, 40, 30};
@@ -49,33 +36,6 @@ class Denoise : public testing::Test {
     image.metadata["owner"] = "somebody";
     return image;
   }
-  void write(const std::string& name, const ExrImage& image) const { write_exr(path(name), image); }
-
-  int run(const DenoiseOptions& options) {
-    std::ostringstream out, problems;
-    const int code = denoise(options, out, problems);
-    out_ = out.str();
-    problems_ = problems.str();
-    return code;
-  }
-  DenoiseOptions options(const std::string& input, const std::string& output) const {
-    DenoiseOptions o;
-    o.input = path(input);
-    o.output = path(output);
-    o.filter = "atrous:levels=2";
-    return o;
-  }
-  Error error_of(const DenoiseOptions& o) {
-    try {
-      run(o);
-    } catch (const Error& e) {
-      return e;
-    }
-    return Error(ExitCode::done, "no error");
-  }
-
-  fs::path folder_;
-  std::string out_, problems_;
 };
 
 TEST_F(Denoise, ReplacesThePictureAndKeepsAllElse) {

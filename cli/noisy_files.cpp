@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/noisy_files.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+#include "cli/version.h"
+#include "core/error.h"
+#include "core/png.h"
+#include "core/sequence.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::array<float, 2> parse_motion_scale(const std::string& text) {
+  std::array<float, 2> scale;
+  const char *at = text.data(), *const end = text.data() + text.size();
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto [behind, problem] = std::from_chars(at, end, scale[i]);
+    const bool right_end = i == 0 ? behind != end && *behind == ',' : behind == end;
+    if (problem != std::errc{} || !right_end || !std::isfinite(scale[i]) || scale[i] == 0)
+      refuse_option("--motion-scale", text, "X,Y: two numbers that are not 0, as in -1,1");
+    at = behind + 1;
+  }
+  return scale;
+}
+
+void require_other_file(const fs::path& in, const fs::path& out) {
+  std::error_code none;
+  if (fs::equivalent(in, out, none))
+    throw Error(ExitCode::bad_usage, fmt::format("--output: '{}' is the input itself", out.string()));
+}
+
+// Of a single image the number that our files tell.
+int number_in(const ExrImage& picture) {
+  const auto at = picture.metadata.find("tessera/frame");
+  const int* number = at == picture.metadata.end() ? nullptr : std::get_if<int>(&at->second);
+  return number ? *number : 0;
+}
+
+// The picture with its R, G and B replaced. What was said of the old ones' error is not true of the new ones.
+ExrImage delivered(const ExrImage& picture, const Image& rgb, const FilterPlan& plan) {
+  ExrImage out = picture;
+  for (const char* key : {"tessera/error", "tessera/relmse", "tessera/relmse_upper"}) out.metadata.erase(key);
+  out.metadata["tessera/filter"] = to_string(plan);
+  out.metadata["tessera/version"] = std::string(kVersion);
+  std::vector<float> data;
+  out.channels.clear();
+  for (std::size_t p = 0; p < picture.channels.size(); ++p) {
+    const std::string& name = picture.channels[p].name;
+    if (name == "R" || name == "G" || name == "B" || name == "error.Y") continue;
+    out.channels.push_back(picture.channels[p]);
+    const auto plane = picture.pixels.plane(static_cast<int>(p));
+    data.insert(data.end(), plane.begin(), plane.end());
+  }
+  for (int c = 0; c < 3; ++c) {
+    const int old = picture.plane(std::string(1, "RGB"[c]));
+    out.channels.push_back(
+        {std::string(1, "RGB"[c]), old < 0 || picture.channels[static_cast<std::size_t>(old)].half});
+    data.insert(data.end(), rgb.plane(c).begin(), rgb.plane(c).end());
+  }
+  out.pixels = Image(rgb.region(), static_cast<int>(out.channels.size()), std::move(data));
+  return out;
+}
+
+}  // namespace
+
+void refuse_option(std::string_view option, std::string_view value, std::string_view accepted) {
+  throw Error(ExitCode::bad_usage,
+              fmt::format("{}: '{}' is not accepted; accepted: {}", option, value, accepted));
+}
+
+NoisyFiles::NoisyFiles(const DenoiseOptions& o)
+    : options_(o), plan_(parse_filter(o.filter)), guides_(guides_of(o)) {
+  if (o.samples && !(*o.samples >= 1 && *o.samples <= 1e9))
+    refuse_option("--samples", fmt::format("{}", *o.samples), "1 to 1e9");
+  if (!o.motion_scale.empty()) motion_scale_ = parse_motion_scale(o.motion_scale);
+}
+
+std::vector<NoisyFiles::Guide> NoisyFiles::guides_of(const DenoiseOptions& o) {
+  std::vector<Guide> guides;
+  for (const std::string& text : o.guides) {
+    const std::size_t sign = text.find('=');
+    if (sign == 0 || sign == std::string::npos || sign + 1 == text.size())
+      refuse_option("--guide", text, "LAYER=FILE, as in albedo=shot_albedo.exr");
+    guides.push_back({text.substr(0, sign), text.substr(sign + 1)});
+  }
+  return guides;
+}
+
+NoisyFrame NoisyFiles::read(std::optional<int> number, bool backwards) const {
+  const auto named = [&](const fs::path& p) { return number && is_pattern(p) ? file_of(p, *number) : p; };
+  NoisyFrame frame{named(options_.input), named(options_.output), {}, {}, {}};
+  require_other_file(frame.in, frame.out);
+  frame.picture = read_exr(frame.in);
+  Sources sources{&frame.picture, {}, options_.samples};
+  sources.motion_scale = motion_scale_;
+  sources.resting = options_.resting || !number;
+  sources.backwards = backwards;
+  for (const Guide& g : guides_) sources.separate.emplace(g.layer, read_exr(named(g.file)));
+  frame.gathered = gather(plan_, sources, frame.in.string());
+  SceneFacts facts = facts_of(plan_, frame.gathered.input, sources);
+  facts.frame = number ? *number : number_in(frame.picture);
+  frame.plan = resolved(plan_, facts);
+  return frame;
+}
+
+void NoisyFiles::write(const NoisyFrame& frame, const Image& rgb) const {
+  write_exr(frame.out, delivered(frame.picture, rgb, frame.plan), options_.compression);
+  write_png(fs::path(frame.out).replace_extension(".png"), rgb, static_cast<float>(options_.exposure));
+}
+
+}  // namespace tessera

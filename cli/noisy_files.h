@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// The files of a frame that is denoised: what the filter takes of them, and what is written of its result.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/denoise.h"
+#include "core/filter/gather.h"
+
+namespace tessera {
+
+struct NoisyFrame {
+  std::filesystem::path in, out;
+  ExrImage picture;
+  Gathered gathered;
+  FilterPlan plan;  // resolved
+
+  const Region& region() const { return picture.pixels.region(); }
+};
+
+class NoisyFiles {
+ public:
+  // Borrows the options. Throws Error(bad_usage) that says what is accepted.
+  explicit NoisyFiles(const DenoiseOptions&);
+
+  const FilterPlan& plan() const { return plan_; }
+  // `frame` replaces the places for numbers; none: there are none. A single image needs no motion.
+  NoisyFrame read(std::optional<int> frame, bool backwards = false) const;
+  // The picture with its R, G and B replaced, and a preview.
+  void write(const NoisyFrame&, const Image& rgb) const;
+
+ private:
+  // "albedo=albedo.####.exr"
+  struct Guide {
+    std::string layer, file;
+  };
+  static std::vector<Guide> guides_of(const DenoiseOptions&);
+
+  const DenoiseOptions& options_;
+  FilterPlan plan_;
+  std::vector<Guide> guides_;
+  std::optional<std::array<float, 2>> motion_scale_;
+};
+
+// Throws Error(bad_usage): the option's value is not accepted, and what is.
+[[noreturn]] void refuse_option(std::string_view option, std::string_view value, std::string_view accepted);
+
+}  // namespace tessera

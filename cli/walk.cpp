@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/walk.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "cli/sizes.h"
+#include "core/error.h"
+#include "core/filter/history.h"
+#include "core/job.h"
+
+namespace tessera {
+namespace {
+
+constexpr int kLeastTile = 16;
+
+// The history is counted as it is where everything rests; where pixels of a tile come from far apart, it is
+// larger.
+std::uint64_t bytes_of(const FilterPlan& plan, const Region& frame, Size tile) {
+  const int halo = plan.halo();
+  const double width = std::min(tile.width + 2 * halo, frame.width());
+  const double height = std::min(tile.height + 2 * halo, frame.height());
+  const double floats = static_cast<double>(plan.inputs().size()) +
+                        plan.description().scratch(plan.parameters) + 3 + 2 * plan.history();
+  return static_cast<std::uint64_t>(width * height * floats * sizeof(float));
+}
+
+Size tile_of(const DenoiseOptions& o, const FilterPlan& plan, const Region& frame) {
+  if (o.tile_size.empty()) return tile_within(plan, frame, o.memory << 20);
+  const std::optional<Size> tile = parse_tile_size(o.tile_size);
+  if (!tile) refuse_option("--tile-size", o.tile_size, fmt::format("N or WxH, each 1 to {}", kMaxEdge));
+  return *tile;
+}
+
+// The planes of motion that the filter takes.
+Image motion_of(const FilterPlan& plan, const Image& input) {
+  const std::vector<Channel> channels = plan.inputs();
+  const auto at = std::ranges::find(channels, Channel{Aov::motion, 0});
+  Image motion(input.region(), 2);
+  for (int c = 0; c < 2; ++c)
+    std::ranges::copy(input.plane(static_cast<int>(at - channels.begin()) + c), motion.plane(c).begin());
+  return motion;
+}
+
+Image filtered(Device& device, const FilterPlan& plan, const Image& input, Size tile, const Image& history) {
+  const Region& frame = input.region();
+  const Image motion = history.empty() ? Image{} : motion_of(plan, input);
+  Image whole(frame, 3 + plan.history());
+  for (const Tile& t : tiles_over(frame, tile, plan.halo())) {
+    const Region seen = history.empty() ? Region{} : footprint(motion, t.outer, frame);
+    const Image before = seen.empty() ? Image{} : cropped(history, seen);
+    paste(whole, filter(device, plan, cropped(input, t.outer), t, frame, before));
+  }
+  return whole;
+}
+
+Image kept_of(const Image& filtered) {
+  const auto area = static_cast<std::size_t>(filtered.region().area());
+  Image kept(filtered.region(), filtered.planes() - 3);
+  std::ranges::copy(filtered.data().subspan(3 * area), kept.data().begin());
+  return kept;
+}
+
+}  // namespace
+
+std::string Walk::cut_before(const NoisyFrame& frame, int number) const {
+  if (!last_ || frame.plan.history() == 0) return "";
+  if (last_->number != number - step_) return fmt::format("frame {} was not filtered", number - step_);
+  if (last_->planes.empty()) return fmt::format("frame {} failed", last_->number);
+  if (last_->planes.region() != frame.region() || last_->display != frame.picture.display)
+    return fmt::format("frame {} covers other pixels", last_->number);
+  return "";
+}
+
+FilteredFrame Walk::next(const NoisyFrame& frame, int number) {
+  FilteredFrame result;
+  result.cut = cut_before(frame, number);
+  result.tile = tile_of(options_, frame.plan, frame.region());
+  const bool goes_on = last_ && result.cut.empty();
+  const Image history = goes_on ? std::move(last_->planes) : Image{};
+  failed(number);  // until it is done
+  result.image = filtered(device_, frame.plan, frame.gathered.input, result.tile, history);
+  if (frame.plan.history() > 0) last_ = Kept{number, frame.picture.display, kept_of(result.image)};
+  return result;
+}
+
+Size tile_within(const FilterPlan& plan, const Region& frame, std::uint64_t bytes) {
+  Size tile{frame.width(), frame.height()};
+  while (bytes_of(plan, frame, tile) > bytes) {
+    int& longer = tile.width > tile.height ? tile.width : tile.height;
+    if (longer <= kLeastTile)
+      throw Error(
+          ExitCode::out_of_memory,
+          fmt::format("--memory: filter '{}' takes {} MiB for a tile of {}x{} with its halo of {}", plan.name,
+                      (bytes_of(plan, frame, tile) >> 20) + 1, tile.width, tile.height, plan.halo()));
+    longer = (longer + 1) / 2;
+  }
+  return tile;
+}
+
+}  // namespace tessera
