@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <map>
 
 #include "core/exr.h"
@@ -94,6 +95,18 @@ TEST_F(Shots, KilledAtAnyMomentAndTakenUpAgainTheyAreTheSame) {
   fs::remove(path("c.0005.exr"));
   EXPECT_EQ(render("1-5").code, 0);
   EXPECT_TRUE(same_bits(picture(5), expected[4]));
+}
+
+TEST_F(Shots, AreFilteredByDenoiseToTheSameBits) {
+  ASSERT_EQ(render("1-3", {"--layers-for", filter_}).code, 0);
+  const Outcome outcome =
+      run({"denoise", path("c.####.exr"), "-o", path("d.####.exr"), "--filter", filter_, "--tile-size", "40"});
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  for (const std::string frame : {"0001", "0002", "0003"}) {
+    const ExrImage a = read_exr(path("c." + frame + ".exr")), b = read_exr(path("d." + frame + ".exr"));
+    for (const char* c : {"R", "G", "B"})
+      EXPECT_TRUE(std::ranges::equal(a.pixels.plane(a.plane(c)), b.pixels.plane(b.plane(c)))) << frame << c;
+  }
 }
 
 TEST_F(Shots, AnInterruptWritesWhatThereIsAndTheFrameIsDoneAgain) {
