@@ -28,6 +28,8 @@ constexpr std::string_view kTexts[] = {
     "bilateral",
     "bmfr",
     "bmfr:grids=1",
+    "bmfr:history=on",
+    "bmfr:history=on,taa=on",
     "bmfr:regularisation=stochastic",
     "box",
     "cross-bilateral",

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the blocks of Blockwise Multi-Order Feature Regression lie: a grid over the whole plane, whatever the
-// frame or tile.
+// What Blockwise Multi-Order Feature Regression fits, and to what: blocks of a grid over the whole plane,
+// whatever the frame or tile; columns made of features.
 #pragma once
 
-namespace tessera {
+#include "core/filter/filter.h"
 
-struct FilterPlan;
+namespace tessera {
 
 // Squares of `edge` pixels; the corner of one is at (x, y). Further grids lie half an edge away, so all of
 // them are made of cells of half an edge.
@@ -16,5 +16,21 @@ struct BlockGrid {
 
 // Of a plan for `bmfr`.
 BlockGrid block_grid(const FilterPlan&);
+int grids_taken(const ParameterValues&);
+
+// The columns beside the constant.
+struct BlockFeatures {
+  int normals = 1, positions = 2;  // 0: not taken   1: as they are   2: and their squares
+  int gradients = 0;               // the place in the block, from -1 to 1 across and down
+  int material = 0;                // the number of the material
+  int columns() const { return 3 * normals + 3 * positions + 2 * gradients + material; }
+  // What is scaled to -1 .. 1 within each block.
+  int axes() const { return (positions > 0 ? 3 : 0) + material; }
+};
+BlockFeatures block_features(const ParameterValues&);
+
+// Whether a pixel before may be of this surface though it is elsewhere in the world: told by depth and
+// object.
+bool surfaces_move(const ParameterValues&);
 
 }  // namespace tessera

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blockwise Multi-Order Feature Regression of Koskela et al. 2019 (BMFR) of a single frame: no history, so
-// several displaced grids of blocks take the place of the displacement from frame to frame.
+// Blockwise Multi-Order Feature Regression of Koskela et al. 2019 (BMFR). Without history, several displaced
+// grids of blocks take the place of the displacement from frame to frame.
+#include <algorithm>
+
 #include "core/filter/blocks.h"
 #include "core/filter/descriptions.h"
+#include "core/filter/taa.h"
 
 namespace tessera {
 namespace {
@@ -15,33 +18,70 @@ constexpr Offset kOffsets[] = {{-14, -14}, {4, -6},   {-8, 14}, {8, 0},    {-10,
                                {12, -12},  {-10, 0},  {12, 14}, {-8, -16}, {6, 6},    {-2, -2},
                                {6, -14},   {-16, 12}, {14, -4}, {-6, 4}};
 
+Parameter choice(std::string_view name, std::string_view meaning, std::string_view source, double standard,
+                 std::vector<std::string_view> choices) {
+  const double high = static_cast<double>(choices.size()) - 1;
+  return {name, meaning, "", source, 0, high, standard, true, std::move(choices)};
+}
+
+void append_features(std::vector<Parameter>& to) {
+  constexpr std::string_view source = "Koskela et al. 2019, section 5";
+  to.push_back(choice("normals", "columns of the fit: shading normals, or their squares too", source, 1,
+                      {"off", "on", "squared"}));
+  to.push_back(choice("positions", "columns of the fit: world positions, or their squares too", source, 2,
+                      {"off", "on", "squared"}));
+  to.push_back(choice("gradients", "columns of the fit: the place in the block, across and down", source, 0,
+                      {"off", "on"}));
+  to.push_back(choice("material", "a column of the fit: the number of the material",
+                      "Koskela et al. 2019, section 8, figure 12", 0, {"off", "on"}));
+}
+
+void append_history(std::vector<Parameter>& to) {
+  constexpr std::string_view source = "Koskela et al. 2019, section 3.2; the number is of its program";
+  to.push_back(history_parameter());
+  to.push_back({"alpha", "least share of a new frame in the light that is fitted", "1",
+                "Koskela et al. 2019, section 3.2", 0.001, 1, 0.2});
+  to.push_back({"alpha_filtered", "least share of a new frame in the light that was fitted", "1",
+                "Koskela et al. 2019, section 3.5", 0.001, 1, 0.1});
+  to.push_back(choice(
+      "test",
+      "what tells that a pixel before is of the same surface, beside its normal: the position, or else "
+      "the depth and the object, for a surface that moved",
+      "position: Koskela et al. 2019, section 3.2; moving: Schied et al. 2017, section 4.1", 1,
+      {"position", "moving"}));
+  to.push_back({"limit_p", "how far its point may be", "pixel footprints",
+                "ours: Koskela et al. 2019 set a distance for each scene", 0.01, 1e4, 2});
+  to.push_back({"distance_p", "how far its point may be, where not 0 and so in place of limit_p",
+                "world units", "Koskela et al. 2019 take 0.03 to 0.1 in their program", 0, 1e9, 0});
+  to.push_back({"limit_n", "how far its normal may be", "1", source, 1e-3, 3, 0.5});
+}
+
 std::vector<Parameter> parameters() {
-  return {
-      {"block",
-       "edge of the blocks that share a fit",
-       "pixels",
-       "Koskela et al. 2019, section 6.1 (32; 64 looks best)",
-       0,
-       3,
-       2,
-       true,
-       {"8", "16", "32", "64"}},
+  std::vector<Parameter> all{
+      choice("block", "edge of the blocks that share a fit, in pixels",
+             "Koskela et al. 2019, section 6.1 (32; 64 looks best)", 2, {"8", "16", "32", "64"}),
       {"grids",
-       "displaced grids of blocks whose fits are averaged, each by its distance from the block's border", "",
-       "1: Koskela et al. 2019, section 3.3; more: its section 8 advises it where there is no history", 1, 4,
-       4, true},
-      {"frame", "which of 16 displacements of the grids is taken", "",
-       "Koskela et al. 2019, section 6.1; the numbers are its program's", 0, 15, 0, true},
-      {"regularisation",
-       "what keeps the fit stable: a ridge, which is what the paper's noise amounts to on average, or that "
-       "noise added to the features",
+       "displaced grids of blocks whose fits are averaged, each by its distance from the block's border; 0: "
+       "1 with "
+       "history, 4 without",
+       "", "1: Koskela et al. 2019, section 3.3; more: its section 8 advises it where there is no history", 0,
+       4, 0, true},
+      {"frame",
+       "which of 16 displacements of the grids is taken; 0: by the number of the frame",
        "",
-       "stochastic: Koskela et al. 2019, section 3.4; ridge: its expectation",
+       "Koskela et al. 2019, section 6.1; the numbers are its program's",
        0,
-       1,
+       15,
        0,
        true,
-       {"ridge", "stochastic"}},
+       {},
+       SceneFact::frame},
+      choice("regularisation",
+             "what keeps the fit stable: a ridge, which is what the paper's noise amounts to on average, or "
+             "that "
+             "noise added to the features",
+             "stochastic: Koskela et al. 2019, section 3.4; ridge: its expectation", 0,
+             {"ridge", "stochastic"}),
       {"epsilon", "largest noise on a feature, of its range in the block; the ridge is of the same strength",
        "1", "Koskela et al. 2019, section 3.4", 1e-3, 1, 0.01},
       {"clamp",
@@ -49,43 +89,84 @@ std::vector<Parameter> parameters() {
        "an edge nothing is",
        "standard deviations", "ours: one firefly would light its whole block", 1, 1000, 3},
   };
-}
-
-std::vector<Channel> inputs(const ParameterValues&) {
-  std::vector<Channel> all;
-  append(all, {Aov::color, Aov::emission, Aov::albedo, Aov::normal, Aov::position, Aov::depth});
+  append_features(all);
+  append_history(all);
+  append_taa_parameters(all);
   return all;
 }
 
+std::vector<Channel> inputs(const ParameterValues& values) {
+  std::vector<Channel> all;
+  append(all, {Aov::color, Aov::emission, Aov::albedo, Aov::normal, Aov::position, Aov::depth});
+  if (with_history(values) || with_taa(values)) append(all, {Aov::motion});
+  if (with_history(values) && surfaces_move(values)) append(all, {Aov::previous_depth, Aov::object_id});
+  if (block_features(values).material) append(all, {Aov::material_id});
+  return all;
+}
+
+// Light, how many frames it is of, normal, position, and depth and object if they are compared; filtered
+// light.
+int own_history(const ParameterValues& values) {
+  if (!with_history(values)) return 0;
+  return 3 + 1 + 3 + 3 + (surfaces_move(values) ? 2 : 0) + 3;
+}
+int history(const ParameterValues& values) { return own_history(values) + taa_history(values); }
+
 struct Sizes {
-  double cell;     // pixels of a cell
-  double columns;  // of the fit: 1, normal, position, its squares; noise on all but the first
+  double cell;  // pixels of a cell
+  double features, axes;
+  double columns;  // of the fit: 1, features, noise on them
   double roles;    // in which a cell is summed up
+  double sums() const { return columns * (columns + 1) / 2 + 3 * columns; }
+  double of_cell() const { return roles * sums() + 3 * axes + 6; }
+  double of_model() const { return 3 + 3 * features + 3 * axes + 3; }
 };
 Sizes sizes(const ParameterValues& values) {
   const double edge = 4 << static_cast<int>(values.find("block")->second);
   const bool noisy = values.find("regularisation")->second == 1;
-  return {edge * edge, noisy ? 19.0 : 10.0, noisy ? 4.0 : 1.0};
+  const BlockFeatures f = block_features(values);
+  const double features = f.columns();
+  return {edge * edge, features, double(f.axes()), 1 + (noisy ? 2 : 1) * features, noisy ? 4.0 : 1.0};
 }
-double sums(const Sizes& s) { return s.columns * (s.columns + 1) / 2 + 3 * s.columns; }
+
+constexpr double kLight = 3 * 3 + 16 * 2;
+constexpr int kAccumulated = 3 + 1 + 3;  // planes: light, frames, filtered light
+
+Pass accumulation(const ParameterValues& values) {
+  const double kept = own_history(values), read = 16 + 2 + (surfaces_move(values) ? 2 : 0);
+  const double test = 2 * 3 * 3 + 4 + (surfaces_move(values) ? 5 : 0),
+               tap = 4 + test + 7 + 3 + 2 * kAccumulated;
+  constexpr double kFootprint = 4 * 10 + 6, kPlace = 12, kMix = 8 + 3 * 6;
+  return {"bmfr_accumulate", 1, 1, kLight + kFootprint + kPlace + 4 * tap + kMix, read + kept + kAccumulated};
+}
 
 std::vector<Pass> passes(const ParameterValues& values) {
   const Sizes s = sizes(values);
   const int reach = (8 << static_cast<int>(values.find("block")->second)) - 1;
-  constexpr double kLight = 3 * 3 + 16 * 2, kClip = 2 * 3 * 10, kCentre = 6 + 9 * 2 + 3;
-  const double noise = s.columns > 10 ? 9 * 13 : 0;
-  const double change = 2 * 18 * (2 * s.columns + 3), solve = 9 * 9 * 9 / 3 + 2 * 3 * 81;
-  constexpr double kModel = 2 * (3 + 27) + 9 + 4;
-  return {
-      {"bmfr_cells", 1, reach, kLight + kClip + kCentre + s.roles * (noise + 2 * sums(s)), 16},
-      {"bmfr_fit", 1, 0, (4 * (change + 130) + 2 * 130 + solve) / s.cell, (4 * sums(s) + 15 + 42) / s.cell},
-      {"finish", 1, 0, kLight + values.find("grids")->second * kModel + 10, 16 + 3}};
+  constexpr double kClip = 2 * 3 * 10;
+  const double f = s.features, mean = 6 + 9 * 2 + 3;
+  const double noise = s.columns > 1 + f ? f * 13 : 0;
+  const double change = 2 * 2 * f * (2 * s.columns + 3), solve = f * f * f / 3 + 2 * 3 * f * f;
+  const double model = 2 * (3 + 3 * f) + f + 4;
+  const bool temporal = with_history(values);
+  std::vector<Pass> all;
+  if (temporal) all.push_back(accumulation(values));
+  all.push_back({"bmfr_cells", 1, reach,
+                 (temporal ? 0 : kLight) + kClip + mean + s.roles * (noise + 2 * s.sums()),
+                 temporal ? 10.0 : 16.0});
+  all.push_back({"bmfr_fit", 1, 0, (4 * (change + 130) + 2 * 130 + solve) / s.cell,
+                 (4 * s.sums() + 3 * s.axes + 6 + s.of_model()) / s.cell});
+  all.push_back({"finish", 1, 0, kLight + grids_taken(values) * model + 10 + (temporal ? 3 * 3 + 2 : 0),
+                 16 + 3 + (temporal ? kAccumulated + own_history(values) : 0.0)});
+  append_taa_pass(all, values);
+  return all;
 }
 
 // Of cells and models there are more per pixel in a small tile: a cell at each border is partly outside.
 double scratch(const ParameterValues& values) {
   const Sizes s = sizes(values);
-  return 2 * (s.roles * sums(s) + 15 + 42) / s.cell;
+  return 2 * (s.of_cell() + s.of_model()) / s.cell + (with_history(values) ? kAccumulated : 0) +
+         taa_scratch(values);
 }
 
 }  // namespace
@@ -96,6 +177,18 @@ BlockGrid block_grid(const FilterPlan& plan) {
   return {edge, (o.x * edge >> 5) - edge / 2, (o.y * edge >> 5) - edge / 2};
 }
 
+int grids_taken(const ParameterValues& values) {
+  const int asked = static_cast<int>(values.find("grids")->second);
+  return asked != 0 ? asked : with_history(values) ? 1 : 4;
+}
+
+BlockFeatures block_features(const ParameterValues& values) {
+  const auto number = [&](std::string_view name) { return static_cast<int>(values.find(name)->second); };
+  return {number("normals"), number("positions"), number("gradients"), number("material")};
+}
+
+bool surfaces_move(const ParameterValues& values) { return values.find("test")->second == 1; }
+
 FilterDescription describe_bmfr() {
   return {.name = "bmfr",
           .summary = "blocks of pixels fitted by normals, positions and their squares",
@@ -105,7 +198,8 @@ FilterDescription describe_bmfr() {
           .parameters = parameters(),
           .inputs = inputs,
           .passes = passes,
-          .scratch = scratch};
+          .scratch = scratch,
+          .history = history};
 }
 
 }  // namespace tessera

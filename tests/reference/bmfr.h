@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// BMFR (Koskela et al. 2019) of a single whole picture, block by block.
+// BMFR (Koskela et al. 2019) of a whole picture, block by block, with what was kept of the frame before.
 #pragma once
 
 #include "core/filter/filter.h"
@@ -7,7 +7,8 @@
 
 namespace tessera::reference {
 
-// `input` as for tessera::filter; it is the whole picture. RGB.
-Image bmfr(const FilterPlan&, const Image& input);
+// `input` and `history` as for tessera::filter; they are of whole pictures. RGB and what is kept, without
+// TAA.
+Image bmfr(const FilterPlan&, const Image& input, const Image& history);
 
 }  // namespace tessera::reference

@@ -12,7 +12,7 @@ constexpr double kLongest = 128;
 }  // namespace
 
 std::vector<PastPixel> past_pixels(const Features& f, const Region& past, int x, int y,
-                                   const std::function<bool(int, int)>& taken) {
+                                   const std::function<bool(int, int)>& taken, bool wide) {
   // In single precision, as footprint() has it.
   const float qx = static_cast<float>(x) - static_cast<float>(f.at(Aov::motion, 0, x, y));
   const float qy = static_cast<float>(y) - static_cast<float>(f.at(Aov::motion, 1, x, y));
@@ -30,6 +30,7 @@ std::vector<PastPixel> past_pixels(const Features& f, const Region& past, int x,
     }
   if (sum < 0.01) {
     pixels.clear();
+    if (!wide) return {};
     const int mid_x = static_cast<int>(std::floor(qx + 0.5)), mid_y = static_cast<int>(std::floor(qy + 0.5));
     for (int j = mid_y - 1; j <= mid_y + 1; ++j)
       for (int i = mid_x - 1; i <= mid_x + 1; ++i)

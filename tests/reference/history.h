@@ -17,9 +17,9 @@ struct PastPixel {
 };
 
 // Those whose weighted mean is what (x, y) was. None: it was not seen. `taken`: whether (qx, qy), which
-// lies in `past`, shows the same.
+// lies in `past`, shows the same. `wide`: if none of the four around does, those of nine that do.
 std::vector<PastPixel> past_pixels(const Features&, const Region& past, int x, int y,
-                                   const std::function<bool(int qx, int qy)>& taken);
+                                   const std::function<bool(int qx, int qy)>& taken, bool wide = true);
 
 // The mean of value(x, y) over them; 0 of none.
 template <typename Value>

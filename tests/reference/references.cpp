@@ -4,6 +4,7 @@
 #include <map>
 #include <string_view>
 
+#include "core/filter/taa.h"
 #include "tests/reference/atrous.h"
 #include "tests/reference/bilateral.h"
 #include "tests/reference/bmfr.h"
@@ -20,17 +21,18 @@
 #include "tests/reference/statmc.h"
 #include "tests/reference/sure_atrous.h"
 #include "tests/reference/svgf.h"
+#include "tests/reference/taa.h"
 
 namespace tessera::reference {
 
 Image filtered(const FilterPlan& plan, const Image& input, const Image& history) {
   static const std::map<std::string_view, Image (*)(const FilterPlan&, const Image&, const Image&)> temporal{
       {"atrous", atrous},
+      {"bmfr", bmfr},
       {"svgf", svgf},
   };
   static const std::map<std::string_view, Image (*)(const FilterPlan&, const Image&)> all{
       {"bilateral", bilateral},
-      {"bmfr", bmfr},
       {"box", box},
       {"cross-bilateral", cross_bilateral},
       {"fdf", fdf},
@@ -46,7 +48,11 @@ Image filtered(const FilterPlan& plan, const Image& input, const Image& history)
       {"statmc", statmc},
       {"sure-atrous", sure_atrous},
   };
-  if (const auto t = temporal.find(plan.name); t != temporal.end()) return t->second(plan, input, history);
+  if (const auto t = temporal.find(plan.name); t != temporal.end()) {
+    Image result = t->second(plan, input, history);
+    if (plan.parameters.contains("taa") && with_taa(plan.parameters)) taa(plan, input, history, result);
+    return result;
+  }
   return all.at(plan.name)(plan, input);
 }
 

@@ -5,9 +5,15 @@ namespace tessera {
 namespace {
 
 // A regression over blocks of a grid.
-constexpr FilterCase fit(std::string_view text) {
-  return {
-      .text = text, .relative = 1e-5, .extreme = 1e-5, .of_largest = 5e-4, .constant = 1e-6, .turns = false};
+constexpr FilterCase fit(std::string_view text, bool taa = false) {
+  return {.text = text,
+          .relative = 1e-5,
+          .extreme = 1e-5,
+          .of_largest = 5e-4,
+          .constant = 1e-6,
+          .turns = false,
+          .wide_past = false,
+          .taa = taa};
 }
 
 }  // namespace
@@ -35,6 +41,11 @@ const std::vector<FilterCase>& filter_cases() {
       fit("bmfr:block=8"),
       fit("bmfr:block=64,grids=3"),
       fit("bmfr:grids=2,regularisation=stochastic"),
+      fit("bmfr:gradients=on,material=on,normals=squared,positions=on"),
+      fit("bmfr:block=16,history=on"),
+      fit("bmfr:history=on,test=position"),
+      fit("bmfr:block=8,history=on,taa=on", true),
+      fit("bmfr:block=8,taa=on", true),
       // The least of seven errors that differ by less than their rounding may be any of them; of these inputs
       // none are, but of one of them turned. Where light spans 60 decades, errors beyond 1e34 are that.
       {.text = "sbf", .extreme = 0, .slow = true},

@@ -24,6 +24,9 @@ struct FilterCase {
   bool parts_sky = true;
   // Commutes with a turn of the picture by 180 degrees.
   bool turns = true;
+  // Of its history: takes from nine pixels where the four around say nothing; ends with temporal
+  // anti-aliasing.
+  bool wide_past = true, taa = false;
   // What is computed costs so much that tests take smaller pictures.
   bool slow = false;
 };

@@ -148,6 +148,7 @@ void pan(Image& input, const FilterPlan& plan, float x, float y) {
 TEST_F(Histories, WithoutTheFootprintsFirstOrLastRowOrColumnDiffer) {
   const Region frame{0, 0, 40, 36};
   for (const FilterCase& c : cases()) {
+    if (!c.wide_past) continue;
     const FilterPlan plan = parse_filter(c.text);
     Image input = made_up_input(plan, frame, "noise");
     let_rest(input, plan);
@@ -213,6 +214,7 @@ TEST_F(Histories, LeaveNoGhostOfWhatCannotBeSeenAnyMore) {
 TEST_F(Histories, ThatAreNoNumbersAreNone) {
   const Region frame{0, 0, 61, 47};
   for (const FilterCase& c : cases()) {
+    if (c.taa) continue;  // of two histories one is left
     const FilterPlan plan = parse_filter(c.text);
     const Image input = made_up_input(plan, frame, "noise", 2), first = filtered_and_kept(plan, input);
     const Image good = kept(plan, filtered_and_kept(plan, made_up_input(plan, frame, "noise", 1)));
@@ -234,6 +236,7 @@ TEST_F(Histories, ThatAreNoNumbersAreNone) {
 TEST_F(Histories, DoNotKnowTheSky) {
   const Region frame{0, 0, 61, 47};
   for (const FilterCase& c : cases()) {
+    if (c.taa) continue;  // which mixes skies too
     const FilterPlan plan = parse_filter(c.text);
     Image input = made_up_input(plan, frame, "noise");
     let_rest(input, plan);

@@ -1,28 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
-// BMFR (Koskela et al. 2019) of a single frame: sums over cells, fits of the blocks made of them, synthesis.
+// BMFR (Koskela et al. 2019): with history the accumulation of light; sums over cells, fits of the blocks
+// made of them, synthesis.
 #include <fmt/format.h>
 
 #include "core/filter/blocks.h"
+#include "core/filter/descriptions.h"
 #include "kernels.h"
 #include "worker/denoise/programs.h"
+#include "worker/denoise/taa.h"
 
 namespace tessera {
 namespace {
 
-constexpr int kCellPlanes = 15;  // beside the sums
-constexpr int kModelPlanes = 42;
+constexpr int kAccumulatedPlanes = 7;
 
 int floor_of_quotient(int a, int b) { return a / b - (a % b < 0); }
 
 bool stochastic(const FilterPlan& plan) { return plan.is("regularisation", "stochastic"); }
-int columns(const FilterPlan& plan) { return stochastic(plan) ? 19 : 10; }
+BlockFeatures features(const FilterPlan& plan) { return block_features(plan.parameters); }
+int columns(const FilterPlan& plan) { return 1 + (stochastic(plan) ? 2 : 1) * features(plan).columns(); }
 int planes_of_cell(const FilterPlan& plan) {
   const int n = columns(plan), sums = n * (n + 1) / 2 + 3 * n;
-  return (stochastic(plan) ? 4 : 1) * sums + kCellPlanes;
+  return (stochastic(plan) ? 4 : 1) * sums + 3 * features(plan).axes() + 6;
+}
+int planes_of_model(const FilterPlan& plan) {
+  return 3 + 3 * features(plan).columns() + 3 * features(plan).axes() + 3;
 }
 
-// The cells of the blocks in which pixels of the inner region lie: its own and those around. They are within
-// the halo, or beyond the frame's border.
+// The cells of the blocks in which pixels of the picture lie: its own and those around. They are within the
+// halo, or beyond the frame's border.
 struct Cells {
   int x, y;           // pixel at which the first one starts, relative to the outer region
   int across, down;   // how many
@@ -30,10 +36,9 @@ struct Cells {
   int stride, plane;  // floats from one row, one plane to the next
 };
 
-Cells cells_of(const Stage& s) {
+Cells cells_of(const Stage& s, const Region& r) {
   const BlockGrid grid = block_grid(s.plan());
   const int edge = grid.cell();
-  const Region& r = s.inner();
   const int x0 = floor_of_quotient(r.x0 - grid.x, edge) - 1,
             x1 = floor_of_quotient(r.x1 - 1 - grid.x, edge) + 2;
   const int y0 = floor_of_quotient(r.y0 - grid.y, edge) - 1,
@@ -49,37 +54,64 @@ Cells cells_of(const Stage& s) {
           .plane = stride * (y1 - y0) + s.vector()};
 }
 
+cl_int4 relative(const Region& r, const Region& outer) {
+  return {{r.x0 - outer.x0, r.y0 - outer.y0, r.x1 - outer.x0, r.y1 - outer.y0}};
+}
+
+// Light accumulated over the frames; of one frame alone there is nothing to accumulate.
+cl::Buffer accumulated(Stage& s) {
+  const FilterPlan& plan = s.plan();
+  if (!with_history(plan.parameters)) return s.input();
+  const Region &outer = s.outer(), &over = s.region(0);
+  const Planes planes = s.scratch(static_cast<std::size_t>(outer.area()) * kAccumulatedPlanes);
+  const cl_float4 limits{{static_cast<float>(plan["limit_p"]), static_cast<float>(plan["distance_p"]),
+                          static_cast<float>(plan["limit_n"]), 0}};
+  s.run("bmfr_accumulate", over, 1, s.input(), outer.width(), outer.height(), Past{},
+        static_cast<float>(plan["alpha"]), limits, Exactly{over}, planes);
+  return planes.buffer;
+}
+
 void run(Stage& s) {
   const FilterPlan& plan = s.plan();
-  const Cells c = cells_of(s);
-  const Planes cells = s.scratch(static_cast<std::size_t>(c.plane) * planes_of_cell(plan)),
-               models = s.scratch(static_cast<std::size_t>(c.plane) * kModelPlanes);
+  const Picture result = picture(s);
+  const Cells c = cells_of(s, result.region);
   const Region& outer = s.outer();
+  const cl::Buffer light = accumulated(s);
+  const Planes cells = s.scratch(static_cast<std::size_t>(c.plane) * planes_of_cell(plan)),
+               models = s.scratch(static_cast<std::size_t>(c.plane) * planes_of_model(plan));
   const cl_int4 lattice{{c.x, c.y, c.across, c.down}};
-  const cl_int4 frame{
-      {s.frame().x0 - outer.x0, s.frame().y0 - outer.y0, s.frame().x1 - outer.x0, s.frame().y1 - outer.y0}};
   const Region over{0, 0, c.across, c.down};
-  s.run("bmfr_cells", over, 1, s.input(), outer.width(), outer.height(), frame, lattice,
-        static_cast<float>(plan["clamp"]), static_cast<cl_int>(plan["frame"]), cells, c.stride,
+  s.run("bmfr_cells", over, 1, s.input(), light, outer.width(), outer.height(), relative(s.frame(), outer),
+        lattice, static_cast<float>(plan["clamp"]), static_cast<cl_int>(plan["frame"]), cells, c.stride,
         cl_long{c.plane});
   // Noise from -epsilon to epsilon has this variance. No pivot is smaller than the ridge but by rounding.
   const double epsilon = plan["epsilon"], strength = epsilon * epsilon / 3;
   s.run("bmfr_fit", over, 1, cells, c.stride, cl_long{c.plane}, c.across, c.down, static_cast<float>(epsilon),
         static_cast<float>(stochastic(plan) ? 0 : strength),
         static_cast<float>(stochastic(plan) ? strength / 64 : strength), models);
-  s.run("finish", s.inner(), 1, s.input(), outer.width(), outer.height(), models, c.stride, cl_long{c.plane},
-        lattice, cl_int2{{c.odd_x, c.odd_y}}, Exactly{s.inner()}, s.output());
+  s.run("finish", result.region, 1, s.input(), outer.width(), outer.height(), light, models, c.stride,
+        cl_long{c.plane}, lattice, cl_int2{{c.odd_x, c.odd_y}}, static_cast<float>(plan["alpha_filtered"]),
+        Exactly{result.region}, result.buffer, Exactly{s.inner()}, s.output());
+  taa(s, result);
 }
 
 std::string options(const FilterPlan& plan) {
-  return fmt::format("-DCELL={} -DGRIDS={} -DCOLUMNS={}", block_grid(plan).cell(), plan["grids"],
-                     columns(plan));
+  const BlockFeatures f = features(plan);
+  return fmt::format(
+      "-DCELL={} -DGRIDS={} -DCOLUMNS={} -DNORMALS={} -DPOSITIONS={} -DGRADIENTS={} -DMATERIAL={}"
+      " -DTEMPORAL={:d} -DOBJECTS={:d}",
+      block_grid(plan).cell(), grids_taken(plan.parameters), columns(plan), f.normals, f.positions,
+      f.gradients, f.material, with_history(plan.parameters), surfaces_move(plan.parameters));
 }
 
 }  // namespace
 
 Program bmfr_program() {
-  return {"bmfr", {kernels::bmfr_cl, kernels::bmfr_cells_cl, kernels::bmfr_fit_cl}, options, run};
+  return {"bmfr",
+          {kernels::history_cl, kernels::taa_cl, kernels::bmfr_cl, kernels::bmfr_accumulate_cl,
+           kernels::bmfr_cells_cl, kernels::bmfr_fit_cl, kernels::bmfr_finish_cl},
+          options,
+          run};
 }
 
 }  // namespace tessera

@@ -2,22 +2,23 @@
 // The sums of products over each cell that the fits are made of. The order in which they are added depends on where
 // in the cell a pixel lies and on nothing else.
 //
-// Within a cell the columns are: 0 is 1; 1..3 the normal from the cell's mean one; 4..6 the position, from -1 to 1 in
-// the cell; 7..9 its squares; with the stochastic regularisation, 10..18 noise from -1 to 1 for each of 1..9. Then
-// the light, from the cell's mean one. All are 0 at invalid pixels. What a cell holds: the sums, as often as it has
-// roles, then for each axis or colour its middle position, lowest and highest from there, mean normal, mean light.
+// Within a cell the columns are: 0 is 1; then the features in their order, the normal from the cell's mean one (as it
+// is, where squared), axes from -1 to 1 in the cell, the place in the cell likewise; with the stochastic regularisation
+// as much noise from -1 to 1. Then the light, from the cell's mean one. All are 0 at invalid pixels. What a cell holds:
+// the sums, as often as it has roles, then for each axis its middle, lowest and highest from there, then mean normal,
+// mean light.
 #define WIDTH (COLUMNS + 3)
 #define SUMS (COLUMNS * (COLUMNS + 1) / 2 + 3 * COLUMNS)
-#if COLUMNS > 10
+#if COLUMNS > 1 + FEATURES
 #define ROLES 4  // the noise depends on where in the block a pixel lies, hence on which of its quarters the cell is
 #else
 #define ROLES 1
 #endif
 #define MIDDLES (ROLES * SUMS)
-#define LOWEST (MIDDLES + 3)
-#define HIGHEST (LOWEST + 3)
-#define NORMALS (HIGHEST + 3)
-#define LIGHTS (NORMALS + 3)
+#define LOWEST (MIDDLES + AXES)
+#define HIGHEST (LOWEST + AXES)
+#define MEAN_NORMAL (HIGHEST + AXES)
+#define MEAN_LIGHT (MEAN_NORMAL + 3)
 
 typedef float Column[PIXELS];
 #define FOR_EACH_PIXEL(v) for (int v = 0; v < PIXELS; v += VW)
@@ -29,7 +30,7 @@ int mirrored(int i, int size) {
 }
 
 // VW pixels of a cell, from number v: rows of it, one after another.
-vf whole(global const float* cell, int w, int v) {
+vf of_rows(global const float* cell, int w, int v) {
 #if CELL >= VW
   return load(cell + (size_t)(v / CELL) * w + v % CELL);
 #else
@@ -48,34 +49,48 @@ vf scattered(global const float* plane, const int* at) {
   return load(lanes);
 }
 
-void keep(const vf* in, Column* column, int v) {
-  const Seen s = seen(in);
-  store(s.valid ? (vf)1.0f : (vf)0.0f, column[0] + v);
+void keep(const Pixel* s, Column* column, int v) {
+  store(s->valid ? (vf)1.0f : (vf)0.0f, column[0] + v);
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
-    store(s.normal[c], column[1 + c] + v);
-    store(s.position[c], column[4 + c] + v);
-    store(s.light[c], column[COLUMNS + c] + v);
+    if (NORMALS > 0) store(s->normal[c], column[1 + OF_NORMALS + c] + v);
+    store(s->light[c], column[COLUMNS + c] + v);
   }
+#pragma unroll
+  for (int c = 0; c < AXES; ++c) store(s->axis[c], column[1 + feature_of_axis(c)] + v);
 }
 
-// The cell at (x0, y0) as it is, in columns 0..6 and the light's.
-void read(global const float* input, int w, size_t area, int4 frame, int x0, int y0, Column* column) {
+// The cell at (x0, y0) as it is, in the columns of normals, axes and light.
+void read(global const float* input, global const float* accumulated, int w, size_t area, int4 frame, int x0, int y0,
+          Column* column) {
   const bool inside = x0 >= frame.x && y0 >= frame.y && x0 + CELL <= frame.z && y0 + CELL <= frame.w;
   FOR_EACH_PIXEL(v) {
-    vf in[CHANNELS];
-    if (inside) {
-#pragma unroll
-      for (int c = 0; c < CHANNELS; ++c) in[c] = whole(input + c * area + (size_t)y0 * w + x0, w, v);
-    } else {
-      int at[VW];
+    int at[VW];
+    if (!inside)
       for (int k = 0; k < VW; ++k)
         at[k] = (mirrored(y0 + (v + k) / CELL - frame.y, frame.w - frame.y) + frame.y) * w +
                 mirrored(x0 + (v + k) % CELL - frame.x, frame.z - frame.x) + frame.x;
+#define SEEN(plane) (inside ? of_rows((plane) + (long)y0 * w + x0, w, v) : scattered(plane, at))
+    vf in[CHANNELS], material = 0.0f;
+#if MATERIAL
+    material = SEEN(input + IN_MATERIALID * area);
+#endif
+#if TEMPORAL
+    Pixel s;
 #pragma unroll
-      for (int c = 0; c < CHANNELS; ++c) in[c] = scattered(input + c * area, at);
+    for (int c = 0; c < 3; ++c) {
+      in[IN_N + c] = SEEN(input + (IN_N + c) * area);
+      in[IN_P + c] = SEEN(input + (IN_P + c) * area);
+      s.light[c] = SEEN(accumulated + c * area);
     }
-    keep(in, column, v);
+    s.valid = SEEN(accumulated + COUNT * area) > (vf)0.0f;
+    set_features(&s, in, material);
+#else
+#pragma unroll
+    for (int c = 0; c < CHANNELS; ++c) in[c] = SEEN(input + c * area);
+    const Pixel s = pixel_of(in, material);
+#endif
+    keep(&s, column, v);
   }
 }
 
@@ -115,12 +130,13 @@ void clamp_light(const float* valid, float count, float deviations, Column* ligh
   }
 }
 
-// Makes the columns 4 + axis and 7 + axis of the positions, which are in the former.
-void scale_positions(Column* column, int axis, global float* out, long plane) {
+// Makes the axis' column, which holds its values, and that of its squares if there is one.
+void scale_axis(Column* column, int axis, global float* out, long plane) {
+  float *values = column[1 + feature_of_axis(axis)], *squares = column[is_squared(axis) ? 4 + feature_of_axis(axis) : 0];
   vf low = INFINITY, high = -INFINITY;
   FOR_EACH_PIXEL(v) {
     const vi valid = load(column[0] + v) > (vf)0.0f;
-    const vf p = load(column[4 + axis] + v);
+    const vf p = load(values + v);
     low = valid && p < low ? p : low;
     high = valid && p > high ? p : high;
   }
@@ -128,9 +144,9 @@ void scale_positions(Column* column, int axis, global float* out, long plane) {
   const float middle = 0.5f * lowest + 0.5f * highest;
   const float extent = fmax(highest - middle, middle - lowest), inverse = extent > 0.0f ? 1.0f / extent : 0.0f;
   FOR_EACH_PIXEL(v) {
-    const vf u = (load(column[4 + axis] + v) - middle) * inverse * load(column[0] + v);
-    store(u, column[4 + axis] + v);
-    store(u * u, column[7 + axis] + v);
+    const vf u = (load(values + v) - middle) * inverse * load(column[0] + v);
+    store(u, values + v);
+    if (is_squared(axis)) store(u * u, squares + v);
   }
   out[(MIDDLES + axis) * plane] = middle;
   out[(LOWEST + axis) * plane] = lowest - middle;
@@ -143,6 +159,27 @@ float centre(const float* valid, float count, float* column) {
   FOR_EACH_PIXEL(v) store((load(column + v) - mean) * load(valid + v), column + v);
   return mean;
 }
+
+#if NORMALS
+// Makes the normal's column, and that of its squares. Squares are those of the normal as it is.
+void make_normals(Column* column, float count, int c, global float* out, long plane) {
+  float* values = column[1 + OF_NORMALS + c];
+#if NORMALS == 2
+  FOR_EACH_PIXEL(v) store(load(values + v) * load(values + v), column[4 + OF_NORMALS + c] + v);
+#else
+  out[(MEAN_NORMAL + c) * plane] = centre(column[0], count, values);
+#endif
+}
+#endif
+
+#if GRADIENTS
+void make_gradients(Column* column) {
+  for (int v = 0; v < PIXELS; ++v) {
+    column[1 + OF_GRADIENTS][v] = fma((float)(v % CELL), 2.0f / (CELL - 1), -1.0f) * column[0][v];
+    column[2 + OF_GRADIENTS][v] = fma((float)(v / CELL), 2.0f / (CELL - 1), -1.0f) * column[0][v];
+  }
+}
+#endif
 
 #if ROLES > 1
 // Jarzynski and Olano 2020, "Hash Functions for GPU Rendering", JCGT 9(3): PCG with 32 bits.
@@ -182,25 +219,32 @@ void sum_up(const Column* column, global float* out, long plane) {
 }
 
 // lattice: where cell (0, 0) starts in the outer region, and how many cells there are across and down.
-kernel void bmfr_cells(global const float* restrict input, int w, int h, int4 frame, int4 lattice, float deviations,
-                       int frame_number, global float* restrict cells, int stride, long plane) {
+// accumulated: planes of bmfr_accumulate over the outer region.
+kernel void bmfr_cells(global const float* restrict input, global const float* restrict accumulated, int w, int h,
+                       int4 frame, int4 lattice, float deviations, int frame_number, global float* restrict cells,
+                       int stride, long plane) {
   const int j = get_global_id(1);
   if (j >= lattice.w) return;
   for (int i = get_global_id(0); i < lattice.z; i += (int)get_global_size(0)) {
     Column column[WIDTH];
     global float* out = cells + (long)j * stride + i;
-    read(input, w, (size_t)w * h, frame, lattice.x + i * CELL, lattice.y + j * CELL, column);
+    read(input, accumulated, w, (size_t)w * h, frame, lattice.x + i * CELL, lattice.y + j * CELL, column);
     const float count = sum_of_column(column[0]);
     if (count == 0.0f) {
-      for (int k = 0; k < LIGHTS + 3; ++k) out[k * plane] = 0.0f;
+      for (int k = 0; k < MEAN_LIGHT + 3; ++k) out[k * plane] = 0.0f;
       continue;
     }
     clamp_light(column[0], count, deviations, column + COLUMNS);
     for (int c = 0; c < 3; ++c) {
-      out[(NORMALS + c) * plane] = centre(column[0], count, column[1 + c]);
-      out[(LIGHTS + c) * plane] = centre(column[0], count, column[COLUMNS + c]);
-      scale_positions(column, c, out, plane);
+      out[(MEAN_LIGHT + c) * plane] = centre(column[0], count, column[COLUMNS + c]);
+#if NORMALS
+      make_normals(column, count, c, out, plane);
+#endif
     }
+    for (int c = 0; c < AXES; ++c) scale_axis(column, c, out, plane);
+#if GRADIENTS
+    make_gradients(column);
+#endif
 #if ROLES > 1
     for (int role = 0; role < ROLES; ++role) {
       make_noise(role, frame_number, column);

@@ -23,12 +23,26 @@ void add_column(Matrix m, int a, int b, vf f) {
   for (int k = 0; k < COLUMNS; ++k) m[k][a] = fma(f, m[k][b], m[k][a]);
 }
 
-// From what a window's columns are measured: the origins are those of its first cell with any valid pixel. Positions
-// are counted from there before they are scaled, for differences of neighbours are exact.
+// From what a window's columns are measured: the origins are those of its first cell with any valid pixel. Axes are
+// counted from there before they are scaled, for differences of neighbours are exact.
 typedef struct {
-  vf origin[3], normal[3], light[3];
-  vf middle[3], inverse[3];  // of the positions, counted from the origin; 1 over half of the range, 0 if there is none
+  vf origin[OR_ONE(AXES)], normal[3], light[3];
+  vf middle[OR_ONE(AXES)], inverse[OR_ONE(AXES)];  // counted from the origin; 1 over half of the range, 0 if none
 } Basis;
+
+void set_extent(Basis* b, int axis, global const float* const* cell, long plane) {
+  vf low = INFINITY, high = -INFINITY;
+  for (int q = 0; q < 4; ++q) {
+    const vi valid = load(cell[q]) > (vf)0.0f;
+    const vf at = load(cell[q] + (MIDDLES + axis) * plane) - b->origin[axis];
+    const vf l = at + load(cell[q] + (LOWEST + axis) * plane), u = at + load(cell[q] + (HIGHEST + axis) * plane);
+    low = valid && l < low ? l : low;
+    high = valid && u > high ? u : high;
+  }
+  const vf extent = 0.5f * high - 0.5f * low;
+  b->middle[axis] = 0.5f * low + 0.5f * high;
+  b->inverse[axis] = extent > (vf)0.0f ? 1.0f / extent : (vf)0.0f;
+}
 
 Basis basis_of(global const float* const* cell, long plane) {
   Basis b;
@@ -36,43 +50,45 @@ Basis basis_of(global const float* const* cell, long plane) {
   for (int q = 0; q < 4; ++q) {
     const vi first = q == 0 ? (vi)-1 : !any & (load(cell[q]) > (vf)0.0f);
     any |= load(cell[q]) > (vf)0.0f;
-    for (int c = 0; c < 3; ++c) {
+    for (int c = 0; c < AXES; ++c)
       b.origin[c] = first ? load(cell[q] + (MIDDLES + c) * plane) : b.origin[c];
-      b.normal[c] = first ? load(cell[q] + (NORMALS + c) * plane) : b.normal[c];
-      b.light[c] = first ? load(cell[q] + (LIGHTS + c) * plane) : b.light[c];
+    for (int c = 0; c < 3; ++c) {
+      const vf normal = NORMALS == 1 ? load(cell[q] + (MEAN_NORMAL + c) * plane) : (vf)0.0f;
+      b.normal[c] = first ? normal : b.normal[c];
+      b.light[c] = first ? load(cell[q] + (MEAN_LIGHT + c) * plane) : b.light[c];
     }
   }
-  for (int c = 0; c < 3; ++c) {
-    vf low = INFINITY, high = -INFINITY;
-    for (int q = 0; q < 4; ++q) {
-      const vi valid = load(cell[q]) > (vf)0.0f;
-      const vf at = load(cell[q] + (MIDDLES + c) * plane) - b.origin[c];
-      const vf l = at + load(cell[q] + (LOWEST + c) * plane), u = at + load(cell[q] + (HIGHEST + c) * plane);
-      low = valid && l < low ? l : low;
-      high = valid && u > high ? u : high;
-    }
-    const vf extent = 0.5f * high - 0.5f * low;
-    b.middle[c] = 0.5f * low + 0.5f * high;
-    b.inverse[c] = extent > (vf)0.0f ? 1.0f / extent : (vf)0.0f;
-  }
+  for (int c = 0; c < AXES; ++c) set_extent(&b, c, cell, plane);
   return b;
 }
 
-// The sums of a cell in the window's basis.
-void change_basis(global const float* cell, long plane, const Basis* b, float epsilon, Matrix m) {
-  for (int c = 0; c < 3; ++c) {
+// The sums of a cell, which is the q-th of the window, in the window's basis.
+void change_basis(global const float* cell, int q, long plane, const Basis* b, float epsilon, Matrix m) {
+  for (int c = 0; c < AXES; ++c) {
     const vf low = load(cell + (LOWEST + c) * plane), high = load(cell + (HIGHEST + c) * plane);
     const vf extent = MORE(-low, high), at = load(cell + (MIDDLES + c) * plane) - b->origin[c];
     const vf scale = extent * b->inverse[c], shift = (at - b->middle[c]) * b->inverse[c];
-    scale_column(m, 4 + c, scale);
-    scale_column(m, 7 + c, scale * scale);
-    add_column(m, 7 + c, 4 + c, 2 * shift);
-    add_column(m, 7 + c, 0, shift * shift);
-    add_column(m, 4 + c, 0, shift);
-    add_column(m, 1 + c, 0, load(cell + (NORMALS + c) * plane) - b->normal[c]);
-    const vf lighter = load(cell + (LIGHTS + c) * plane) - b->light[c];
+    const int a = 1 + feature_of_axis(c);
+    scale_column(m, a, scale);
+    if (is_squared(c)) {
+      scale_column(m, a + 3, scale * scale);
+      add_column(m, a + 3, a, 2 * shift);
+      add_column(m, a + 3, 0, shift * shift);
+    }
+    add_column(m, a, 0, shift);
+  }
+  for (int c = 0; c < 3; ++c) {
+    if (NORMALS == 1) add_column(m, 1 + OF_NORMALS + c, 0, load(cell + (MEAN_NORMAL + c) * plane) - b->normal[c]);
+    const vf lighter = load(cell + (MEAN_LIGHT + c) * plane) - b->light[c];
     for (int k = 0; k < COLUMNS; ++k) m[k][COLUMNS + c] = fma(lighter, m[k][0], m[k][COLUMNS + c]);
   }
+#if GRADIENTS
+  for (int c = 0; c < 2; ++c) {
+    const bool behind = c == 0 ? q % 2 : q / 2;
+    scale_column(m, 1 + OF_GRADIENTS + c, (CELL - 1.0f) / (2 * CELL - 1));
+    add_column(m, 1 + OF_GRADIENTS + c, 0, (behind ? CELL : -CELL) / (2 * CELL - 1.0f));
+  }
+#endif
 #if ROLES > 1
   for (int k = 1; k <= FEATURES; ++k) add_column(m, k, FEATURES + k, epsilon);
 #endif
@@ -117,10 +133,12 @@ void store_model(Matrix m, const Basis* b, global float* model, long plane, int 
       store_first(m[1 + k][COLUMNS + c], model + (COEFFICIENTS + 3 * k + c) * plane, n);
     }
     store_first(b->light[c] + base, model + c * plane, n);
+    store_first(b->normal[c], model + (NORMAL + c) * plane, n);
+  }
+  for (int c = 0; c < AXES; ++c) {
     store_first(b->origin[c], model + (ORIGIN + c) * plane, n);
     store_first(b->inverse[c], model + (INVERSE + c) * plane, n);
     store_first(b->middle[c] * b->inverse[c], model + (MIDDLE + c) * plane, n);
-    store_first(b->normal[c], model + (NORMAL + c) * plane, n);
   }
 }
 
@@ -136,7 +154,7 @@ kernel void bmfr_fit(global const float* restrict cells, int stride, long plane,
     Matrix total, one;
     for (int q = 0; q < 4; ++q) {
       read_sums(cell[q] + (ROLES > 1 ? q : 0) * SUMS * plane, plane, one);
-      change_basis(cell[q], plane, &basis, epsilon, one);
+      change_basis(cell[q], q, plane, &basis, epsilon, one);
       for (int a = 0; a < COLUMNS; ++a)
         for (int b = 0; b < WIDTH; ++b) total[a][b] = q == 0 ? one[a][b] : total[a][b] + one[a][b];
     }

@@ -9,6 +9,9 @@
 // No arithmetic depends on where a pixel lies in a vector, a row or a tile: a tile's bits are the frame's.
 #pragma OPENCL FP_CONTRACT OFF
 
+// Constants and vectors stay so only inside of what is inlined: a call takes vectors by memory.
+#define INLINE __attribute__((always_inline))
+
 #define JOIN2(a, b) a##b
 #define JOIN(a, b) JOIN2(a, b)
 
@@ -64,6 +67,14 @@ vf load_first(global const float* p, int n, float rest) {
   if (n >= VW) return load(p);
   float lanes[VW];
   for (int k = 0; k < VW; ++k) lanes[k] = k < n ? p[k] : rest;
+  return load(lanes);
+}
+
+// The same from number i on of a row that has n: those outside are `rest`.
+vf load_inside(global const float* row, int i, int n, float rest) {
+  if (i >= 0 && i + VW <= n) return load(row + i);
+  float lanes[VW];
+  for (int k = 0; k < VW; ++k) lanes[k] = i + k >= 0 && i + k < n ? row[i + k] : rest;
   return load(lanes);
 }
 

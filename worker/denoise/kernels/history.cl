@@ -8,9 +8,12 @@
 // tap outside of it is outside of the frame. Taps of neighbouring lanes mostly are neighbours: runs of them are read as
 // vectors, and only where there are many runs, or the planes' ends are near, lane by lane. Which of both ways is gone
 // changes no bit, nor does what the other lanes do.
-// HISTORY is defined where the filter's plan has one; without it there is nothing here.
+// HISTORY is defined where the filter has a history by which it tells surfaces with a Trace. Without motion there is
+// nothing here.
 #ifdef IN_MOTION
+#ifdef IN_DEPTHGRADIENT
 #define HISTORY
+#endif
 
 #define PAST_ARGUMENTS                                                                                          \
   global const float *restrict past, int past_x0, int past_y0, int past_x1, int past_y1, int outer_x, int outer_y
@@ -49,7 +52,7 @@ typedef struct {
 } Tap;
 
 // The whole part, downwards.
-vi whole(vf v) {
+INLINE vi whole(vf v) {
   const vi i = to_int(v);
   return i + (to_float(i) > v ? (vi)-1 : (vi)0);
 }
@@ -99,7 +102,7 @@ Seen seen_before(int x, int y, vf motion_x, vf motion_y, int past_x0, int past_y
               load_first((in) + (IN_MOTION + 1) * (area), n, INFINITY), past_x0, past_y0, past_x1, past_y1)
 
 // The tap (i, j) from the one up and left of q.
-Tap tap_of(Seen s, int i, int j, int width, int height) {
+INLINE Tap tap_of(Seen s, int i, int j, int width, int height) {
   Tap t;
   const vi x = s.x + i, y = s.y + j;
   t.inside = s.wanted & (x >= (vi)0) & (x < (vi)width) & (y >= (vi)0) & (y < (vi)height);
@@ -112,7 +115,7 @@ Tap tap_of(Seen s, int i, int j, int width, int height) {
 }
 
 // Where there is no tap, any number.
-vf at_tap(global const float* plane, Tap t) {
+INLINE vf at_tap(global const float* plane, Tap t) {
   if (t.runs > 0) {
     vf v = load(plane + (t.run[0] + t.offset));
     for (int r = 1; r < t.runs; ++r) v = t.start == (vi)t.run[r] ? load(plane + (t.run[r] + t.offset)) : v;
@@ -133,7 +136,7 @@ Seen nearest_seen(Seen s, vi lost, int width) {
   return in_runs(s, width);
 }
 
-vf bilinear(Seen s, int i, int j) {
+INLINE vf bilinear(Seen s, int i, int j) {
   return (i ? s.right : 1.0f - s.right) * (j ? s.below : 1.0f - s.below);
 }
 
@@ -176,7 +179,7 @@ vf weight_of_now(vf length, float alpha, int plain) {
 }
 
 // Of a vector of pixels from x on those in [x0, x1), at p.
-void store_between(vf v, global float* p, int x, int x0, int x1) {
+INLINE void store_between(vf v, global float* p, int x, int x0, int x1) {
   if (x >= x0) {
     if (x < x1) store_first(v, p, x1 - x);
     return;
@@ -186,7 +189,7 @@ void store_between(vf v, global float* p, int x, int x0, int x1) {
   for (int k = x0 - x; k < VW && k < x1 - x; ++k) p[k] = lanes[k];
 }
 
-#ifdef IN_PREVIOUS
+#ifdef HISTORY
 // What tells whether a pixel before is of the same surface. In a history five planes: depth, normal, object.
 typedef struct {
   vf depth, tolerance;
@@ -223,5 +226,5 @@ void keep_trace(global const float* in, size_t area, int n, vi valid, global flo
     store_between(valid ? v : (vf)0.0f, to + c * to_area, x, x0, x1);
   }
 }
-#endif  // IN_PREVIOUS
+#endif  // HISTORY
 #endif  // IN_MOTION

@@ -10,7 +10,6 @@
 // distance is the mean over the pairs of pixels of which both are valid.
 
 // Radii and numbers of channels are constants only inside of what is inlined, and then loops over them unroll.
-#define INLINE __attribute__((always_inline))
 
 // A vector at any address, in one piece: vload and vstore of halves invite compilers to compute with pieces.
 typedef vf vf_anywhere __attribute__((aligned(4)));
