@@ -98,8 +98,9 @@ std::vector<Parameter> parameters() {
 std::vector<Channel> inputs(const ParameterValues& values) {
   std::vector<Channel> all;
   append(all, {Aov::color, Aov::emission, Aov::albedo, Aov::normal, Aov::position, Aov::depth});
-  if (with_history(values) || with_taa(values)) append(all, {Aov::motion});
+  if (with_history(values)) append(all, {Aov::motion});
   if (with_history(values) && surfaces_move(values)) append(all, {Aov::previous_depth, Aov::object_id});
+  append_taa_inputs(all, values);
   if (block_features(values).material) append(all, {Aov::material_id});
   return all;
 }

@@ -2,6 +2,7 @@
 // Variance-guided filtering of Schied et al. 2017 (SVGF): of single frames, whose variance comes from the
 // picture or from the renderer's samples, or with its history.
 #include "core/filter/descriptions.h"
+#include "core/filter/taa.h"
 
 namespace tessera {
 namespace {
@@ -14,11 +15,11 @@ int kept_statistics(const ParameterValues& values) {
 }
 
 int history(const ParameterValues& values) {
-  return with_history(values) ? 6 + kept_statistics(values) + kTracePlanes : 0;
+  return (with_history(values) ? 6 + kept_statistics(values) + kTracePlanes : 0) + taa_history(values);
 }
 
 std::vector<Parameter> parameters() {
-  return {
+  std::vector<Parameter> all{
       levels_parameter("Schied et al. 2017, section 4.3"),
       {"sigma_z", "deviation from the local plane in depth that stops the filter", "planes",
        "Schied et al. 2017, equation 3 and section 4.4", 0.01, 100, 1.0},
@@ -59,6 +60,8 @@ std::vector<Parameter> parameters() {
        "levels",
        "levels", "Schied et al. 2017, section 4.3", 0, 5, 1, true},
   };
+  append_taa_parameters(all);
+  return all;
 }
 
 std::vector<Channel> inputs(const ParameterValues& values) {
@@ -66,6 +69,7 @@ std::vector<Channel> inputs(const ParameterValues& values) {
   append(all, {Aov::direct, Aov::indirect, Aov::emission, Aov::albedo, Aov::normal, Aov::depth});
   append(all, {Aov::direct, Aov::indirect}, Statistic::variance_of_mean);
   append_trace(all, values);
+  append_taa_inputs(all, values);
   return all;
 }
 
@@ -94,6 +98,7 @@ std::vector<Pass> passes(const ParameterValues& values) {
                  .flops = 24 * (kGeometry + kChord + 2 * kLightTap) + 2 * (9 * 4 + 20) + 20,
                  .floats = kFloats},
                 static_cast<int>(values.find("levels")->second));
+  append_taa_pass(all, values);
   return all;
 }
 
@@ -107,7 +112,10 @@ FilterDescription describe_svgf() {
           .parameters = parameters(),
           .inputs = inputs,
           .passes = passes,
-          .scratch = [](const ParameterValues& values) { return 4.0 + with_history(values) + 2 * 8; },
+          .scratch =
+              [](const ParameterValues& values) {
+                return 4.0 + with_history(values) + 2 * 8 + taa_scratch(values);
+              },
           .history = history};
 }
 

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/filter/taa.h"
 
+#include <algorithm>
+
+#include "core/filter/descriptions.h"
+
 namespace tessera {
 
 void append_taa_parameters(std::vector<Parameter>& to) {
@@ -24,6 +28,10 @@ void append_taa_parameters(std::vector<Parameter>& to) {
 }
 
 bool with_taa(const ParameterValues& values) { return values.find("taa")->second == 1; }
+
+void append_taa_inputs(std::vector<Channel>& to, const ParameterValues& values) {
+  if (with_taa(values) && std::ranges::count(to, Channel{Aov::motion, 0}) == 0) append(to, {Aov::motion});
+}
 
 void append_taa_pass(std::vector<Pass>& to, const ParameterValues& values) {
   constexpr double kMotion = 9 * 4, kPlace = 12, kStatistics = 9 * (3 + 7 + 9) + 3 * 5, kHistory = 3 * 7 + 6;

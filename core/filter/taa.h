@@ -15,7 +15,9 @@ inline constexpr int kTaaPlanes = 3;
 
 void append_taa_parameters(std::vector<Parameter>&);
 bool with_taa(const ParameterValues&);
-// Its pass behind all others, if it is taken. The filter then takes Aov::motion.
+// Aov::motion, unless it is there already.
+void append_taa_inputs(std::vector<Channel>&, const ParameterValues&);
+// Its pass behind all others, if it is taken.
 void append_taa_pass(std::vector<Pass>&, const ParameterValues&);
 // Planes of history; floats of scratch a pixel.
 int taa_history(const ParameterValues&);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/filter/descriptions.h"
 #include "tests/reference/history.h"
 #include "tests/reference/surface.h"
 
@@ -79,7 +80,7 @@ Image atrous(const FilterPlan& plan, const Image& input, const Image& history) {
       light[f.index(x, y)] = {lit[0] / albedo[0], lit[1] / albedo[1], lit[2] / albedo[2]};
     }
   Image out(r, 3 + plan.history());
-  if (plan.history() > 0) accumulate(plan, f, light, history, out);
+  if (with_history(plan.parameters)) accumulate(plan, f, light, history, out);
   for (const Pass& pass : plan.passes())
     if (pass.kernel == "atrous_level") light = level(plan, f, light, pass.step);
   for (int k = 0; k < 3; ++k)

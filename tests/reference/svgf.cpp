@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/filter/descriptions.h"
 #include "tests/reference/history.h"
 #include "tests/reference/surface.h"
 
@@ -195,7 +196,7 @@ Image svgf(const FilterPlan& plan, const Image& input, const Image& history) {
   Light direct = svgf.light(Aov::direct), indirect = svgf.light(Aov::indirect);
   Light* const lights[] = {&direct, &indirect};
   const Light* const both[] = {&direct, &indirect};
-  const bool temporal = plan.history() > 0;
+  const bool temporal = with_history(plan.parameters);
   if (temporal) {
     if (svgf.spatial()) svgf.accumulate_moments(lights, history);
     svgf.accumulate(lights, history);

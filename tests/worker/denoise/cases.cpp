@@ -26,6 +26,7 @@ const std::vector<FilterCase>& filter_cases() {
       {.text = "atrous"},
       // Light less emission may be below 0, and its mean over frames next to it.
       {.text = "atrous:history=on", .of_largest = 1e-9},
+      {.text = "atrous:levels=2,taa=on", .extreme = 0, .wide_past = false, .taa = true},
       {.text = "bilateral", .parts_sky = false},
       {.text = "box", .parts_sky = false},
       {.text = "cross-bilateral"},
@@ -133,6 +134,11 @@ const std::vector<FilterCase>& filter_cases() {
        .extreme = 0,
        .of_largest = 1e-12},
       {.text = "svgf:history=on,feedback=2,variance=spatial", .extreme = 0, .of_largest = 1e-12},
+      {.text = "svgf:history=on,levels=2,taa=on",
+       .relative = 5e-4,
+       .extreme = 0,
+       .wide_past = false,
+       .taa = true},
       {.text = "svgf:variance=spatial", .extreme = 0},
   };
   return cases;

@@ -143,6 +143,24 @@ TEST_F(Taa, IsNotPoisonedByWhatIsNoNumber) {
       }
 }
 
+TEST_F(Taa, AddsOnePixelToTheHalo) {
+  const FilterPlan plan = parse_filter("atrous:levels=1,taa=on");
+  ASSERT_EQ(plan.halo(), parse_filter("atrous:levels=1").halo() + 1);
+  const Image input = still(plan, frame_);
+  Image history = filtered(plan, input);
+  for (float& v : history.data()) v *= 1.5f;
+  const Region inner{20, 14, 40, 30}, needed = grown(inner, plan.halo());
+  const Image whole = cropped(filtered_and_kept(plan, input, history), inner);
+  // What lies beyond `seen` does not exist for the filter.
+  const auto with_halo = [&](int halo) {
+    const Region seen = grown(inner, halo);
+    return filter(*device_, plan, cropped(input, seen), {inner, seen}, intersect(needed, seen),
+                  cropped(history, seen));
+  };
+  EXPECT_TRUE(same_bits(with_halo(plan.halo()), whole));
+  EXPECT_FALSE(same_bits(with_halo(plan.halo() - 1), whole));
+}
+
 TEST_F(Taa, SteadiesNoiseFromFrameToFrame) {
   const FilterPlan plain = parse_filter("bmfr:grids=1,block=8");
   const FilterPlan steady = parse_filter("bmfr:grids=1,block=8,taa=on");

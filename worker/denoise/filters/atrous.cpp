@@ -6,6 +6,7 @@
 
 #include "kernels.h"
 #include "worker/denoise/programs.h"
+#include "worker/denoise/taa.h"
 
 namespace tessera {
 namespace {
@@ -31,19 +32,23 @@ void run(Stage& s) {
             cl_int{s.plan().is("average", "plain")});
       continue;
     }
+    if (pass.kernel != "atrous_level") continue;
     s.run("atrous_level", s.region(i), pass.step, guides, from, to, s.layout(), s.region(i), pass.step,
           scalars(s.plan(), pass));
     std::swap(from, to);
   }
-  s.run("finish", s.inner(), 1, s.input(), s.outer().width(), s.outer().height(), guides, from, s.layout(),
-        Exactly{s.inner()}, s.output());
+  const Picture result = picture(s);
+  s.run("finish", result.region, 1, s.input(), s.outer().width(), s.outer().height(), guides, from,
+        s.layout(), Exactly{result.region}, result.buffer);
+  taa(s, result);
 }
 
 }  // namespace
 
 Program atrous_program() {
   return {"atrous",
-          {kernels::geometry_cl, kernels::history_cl, kernels::atrous_cl, kernels::atrous_history_cl},
+          {kernels::geometry_cl, kernels::history_cl, kernels::taa_cl, kernels::atrous_cl,
+           kernels::atrous_history_cl},
           [](const FilterPlan&) { return std::string(); },
           run};
 }

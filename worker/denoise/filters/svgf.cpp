@@ -7,8 +7,10 @@
 #include <numbers>
 #include <utility>
 
+#include "core/filter/descriptions.h"
 #include "kernels.h"
 #include "worker/denoise/programs.h"
+#include "worker/denoise/taa.h"
 
 namespace tessera {
 namespace {
@@ -23,7 +25,7 @@ cl_float4 scalars(const FilterPlan& plan, const Pass& pass) {
            ln2_times(kLuminanceTolerance)}};
 }
 
-bool has_history(const FilterPlan& plan) { return plan.history() > 0; }
+bool has_history(const FilterPlan& plan) { return with_history(plan.parameters); }
 
 void accumulate(Stage& s, const Planes& guides, const Planes& signal, const Planes& raw) {
   const cl_float2 alpha{
@@ -53,13 +55,15 @@ void run(Stage& s) {
   if (history) accumulate(s, guides, from, to), ++i;
   if (history && fed_back == 0) keep_light();
   pass_over(i++, to, from);
-  for (int level = 1; i < s.passes().size(); ++i, ++level) {
+  for (int level = 1; level <= s.plan()["levels"]; ++i, ++level) {
     pass_over(i, from, to);
     std::swap(from, to);
     if (history && level == fed_back) keep_light();
   }
-  s.run("finish", s.inner(), 1, s.input(), s.outer().width(), s.outer().height(), guides, from, s.layout(),
-        Exactly{s.inner()}, s.output());
+  const Picture result = picture(s);
+  s.run("finish", result.region, 1, s.input(), s.outer().width(), s.outer().height(), guides, from,
+        s.layout(), Exactly{result.region}, result.buffer);
+  taa(s, result);
 }
 
 // The parameter's choices are the powers of two in order.
@@ -71,7 +75,8 @@ std::string options(const FilterPlan& plan) {
 
 Program svgf_program() {
   return {"svgf",
-          {kernels::geometry_cl, kernels::history_cl, kernels::svgf_cl, kernels::svgf_history_cl},
+          {kernels::geometry_cl, kernels::history_cl, kernels::taa_cl, kernels::svgf_cl,
+           kernels::svgf_history_cl},
           options,
           run};
 }
