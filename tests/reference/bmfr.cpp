@@ -89,6 +89,8 @@ class Accumulation {
   bool plausible(int x, int y) const {
     for (int c = 0; c < 4; ++c)
       if (!(std::abs(history_.at(c, x, y)) <= 1e32f)) return false;
+    for (int k = 4; k < first_of_filtered_; ++k)
+      if (!(std::abs(history_.at(k, x, y)) <= 1e32f)) return false;
     for (int c = 0; c < 3; ++c)
       if (!(std::abs(history_.at(first_of_filtered_ + c, x, y)) <= 1e32f)) return false;
     return history_.at(3, x, y) >= 1 && history_.at(3, x, y) <= 255;

@@ -44,13 +44,14 @@ class Taa {
 
   // By the longest motion around.
   std::optional<Rgb> seen_before(int x, int y) const {
-    double longest = -1, mx = kSkyDepth, my = kSkyDepth;
+    // In single precision, for rounding decides which of equally long ones is the longest.
+    float longest = -1, mx = kSkyDepth, my = kSkyDepth;
     each_around(x, y, [&](int i, int j) {
-      const double u = f_.at(Aov::motion, 0, i, j), v = f_.at(Aov::motion, 1, i, j), length = u * u + v * v;
-      if (length > longest && length < 1e12) longest = length, mx = u, my = v;
+      const float u = static_cast<float>(f_.at(Aov::motion, 0, i, j));
+      const float v = static_cast<float>(f_.at(Aov::motion, 1, i, j)), length = std::fma(u, u, v * v);
+      if (length > longest && length < 1e12f) longest = length, mx = u, my = v;
     });
-    const float qx = static_cast<float>(x) - static_cast<float>(mx),
-                qy = static_cast<float>(y) - static_cast<float>(my);
+    const float qx = static_cast<float>(x) - mx, qy = static_cast<float>(y) - my;
     const Region& r = history_.region();
     if (!(qx > r.x0 - 3 && qx < r.x1 + 3 && qy > r.y0 - 3 && qy < r.y1 + 3)) return std::nullopt;
     double sum = 0;

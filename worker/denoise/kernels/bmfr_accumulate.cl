@@ -61,12 +61,14 @@ INLINE vi same_surface(const Surface* s, global const float* past, size_t area, 
     distance = fma(p, p, distance);
     turn = fma(n, n, turn);
   }
-  vi near = distance <= s->largest;
+  vi near = distance <= s->largest, finite = distance < (vf)INFINITY;
 #if OBJECTS
   const vf deeper = at_tap(past + KEPT_DEPTH * area, tap) - s->depth;
-  near |= (deeper * deeper <= s->largest) & (at_tap(past + KEPT_OBJECT * area, tap) == s->object);
+  const vf object = at_tap(past + KEPT_OBJECT * area, tap);
+  near |= (deeper * deeper <= s->largest) & (object == s->object);
+  finite &= (deeper * deeper < (vf)INFINITY) & ordinary(object);
 #endif
-  return near & (turn < s->largest_turn);
+  return near & finite & (turn < s->largest_turn);
 }
 
 // Sums over the taps of the same surface, by their bilinear weights: light, frames, filtered light. Their sum of weights.
