@@ -21,11 +21,11 @@
 
 // The squared distance from `position` to the surface points seen from pixel x of a row on; infinite where none is.
 INLINE vf squared_distance(global const float* row, size_t area, int w, int x, const vf* position) {
-  const vf depth = load_inside(row + IN_DEPTH * area, x, w, INFINITY);
+  const vf depth = load_in_row(row + IN_DEPTH * area, x, w, INFINITY);
   vf sum = 0.0f;
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
-    const vf d = load_inside(row + (IN_P + c) * area, x, w, 0.0f) - position[c];
+    const vf d = load_in_row(row + (IN_P + c) * area, x, w, 0.0f) - position[c];
     sum = fma(d, d, sum);
   }
   return depth < (vf)SKY && sum < (vf)INFINITY ? sum : (vf)INFINITY;

@@ -71,7 +71,7 @@ vf load_first(global const float* p, int n, float rest) {
 }
 
 // The same from number i on of a row that has n: those outside are `rest`.
-vf load_inside(global const float* row, int i, int n, float rest) {
+vf load_in_row(global const float* row, int i, int n, float rest) {
   if (i >= 0 && i + VW <= n) return load(row + i);
   float lanes[VW];
   for (int k = 0; k < VW; ++k) lanes[k] = i + k >= 0 && i + k < n ? row[i + k] : rest;

@@ -41,7 +41,7 @@ INLINE Around around(int i, int width, int j, int height) {
 }
 
 INLINE vf beside(global const float* row, const Around* a, int k) {
-  return a->inner ? load(row + a->i + k - 1) : load_inside(row, a->i + k - 1, a->width, 0.0f);
+  return a->inner ? load(row + a->i + k - 1) : load_in_row(row, a->i + k - 1, a->width, 0.0f);
 }
 
 INLINE void longest_motion(global const float* motion, size_t area, int stride, const Around* a, vf* mx, vf* my) {
