@@ -128,10 +128,10 @@ Outcome run_shot(const std::shared_ptr<const Scene>& scene, const Shot& shot, in
 
 struct Options {
   std::string scene = "light";
-  int frames = scenes::kShotFrames, samples = 16;
+  int frames = 24, samples = 32;
   std::string filter = "svgf:history=on";
   Size size{480, 270};
-  int tile = 128;
+  int tile = 256;
 };
 
 fs::path file_of(const std::string& scene) {
