@@ -11,8 +11,8 @@
 namespace tessera::temporal {
 namespace {
 
-// At one sample a frame the samples tell no variance: spatial. Those that need variances of samples are
-// peers.
+// At one sample a frame the samples tell no variance: spatial. Those that need variances of samples take
+// part when they are asked for, as nfor@8.
 constexpr const char* kFilters[] = {
     "none",
     "atrous",
@@ -21,7 +21,29 @@ constexpr const char* kFilters[] = {
     "bmfr",
     "atrous:history=on",
     "svgf:variance=spatial,history=on",
-    "nfor@8",
+    "bmfr:history=on",
+    "bmfr:history=on,block=16",
+    "atrous:history=on,taa=on",
+    "svgf:variance=spatial,history=on,taa=on",
+    "bmfr:history=on,taa=on",
+    "bmfr:history=on,taa=on,block=16",
+};
+
+// One set after the other, as in Koskela et al. 2019, figures 5 and 6; then the set that they take, and a
+// feature of figure 12.
+struct Features {
+  const char* parameters;
+  int count;
+};
+constexpr Features kFeatures[] = {
+    {"normals=off,positions=off", 1},
+    {"normals=on,positions=off", 4},
+    {"normals=on,positions=on", 7},
+    {"normals=on,positions=on,gradients=on", 9},
+    {"normals=squared,positions=on,gradients=on", 12},
+    {"normals=squared,positions=squared,gradients=on", 15},
+    {"normals=on,positions=squared", 10},
+    {"normals=on,positions=squared,material=on", 11},
 };
 
 void add(std::vector<Contestant>& to, const std::string& group, const std::string& filter, int samples,
@@ -51,9 +73,12 @@ std::vector<Contestant> standard_contestants(const std::string& group, int sampl
   std::vector<Contestant> all;
   if (group == "filters")
     for (const char* text : kFilters) all.push_back(parse_contestant(text, samples));
+  if (group == "features")
+    for (const Features& f : kFeatures)
+      add(all, group, std::string("bmfr:history=on,") + f.parameters, samples, f.count);
   if (group == "blocks")
     for (int edge = 8; edge <= 64; edge *= 2)
-      add(all, group, fmt::format("bmfr:block={}", edge), samples, edge);
+      add(all, group, fmt::format("bmfr:history=on,block={}", edge), samples, edge);
   return all;
 }
 
