@@ -2,6 +2,7 @@
 #include "scenes/shots.h"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
@@ -17,10 +18,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Shots : public testing::Test {
+class MovingScenes : public testing::Test {
  protected:
   static void SetUpTestSuite() { scenes::write_shots(folder()); }
-  static fs::path folder() { return fs::path(testing::TempDir()) / "shots"; }
+  static void TearDownTestSuite() { fs::remove_all(folder()); }
+  static fs::path folder() {
+    return fs::path(testing::TempDir()) / ("tessera-shots-" + std::to_string(getpid()));
+  }
   static fs::path file(std::string_view name) { return folder() / (std::string(name) + ".json"); }
 };
 
@@ -33,13 +37,14 @@ std::map<std::string, std::string> contents(const fs::path& folder) {
   return all;
 }
 
-TEST_F(Shots, AreTheSameBytesEveryTime) {
+TEST_F(MovingScenes, AreTheSameBytesEveryTime) {
   const fs::path again = folder().string() + "_again";
   scenes::write_shots(again);
   EXPECT_EQ(contents(folder()), contents(again));
+  fs::remove_all(again);
 }
 
-TEST_F(Shots, LoadWithoutWarnings) {
+TEST_F(MovingScenes, LoadWithoutWarnings) {
   for (const std::string_view name : scenes::kShots)
     EXPECT_THAT(load_scene(file(name)).warnings, testing::IsEmpty());
 }
@@ -59,7 +64,7 @@ std::vector<double> motions(const fs::path& scene_file) {
   return lengths;
 }
 
-TEST_F(Shots, MoveWhatTheySayTheyDo) {
+TEST_F(MovingScenes, MoveWhatTheySayTheyDo) {
   using testing::Each, testing::AllOf, testing::Gt, testing::Lt, testing::Contains;
   EXPECT_THAT(motions(file("flight")), Each(AllOf(Gt(0.0), Lt(6.0))));
   EXPECT_THAT(motions(file("glossy_flight")), Each(AllOf(Gt(0.0), Lt(6.0))));
