@@ -32,7 +32,6 @@ namespace {
 
 constexpr int kMaxWindowEdge = 65536;
 constexpr int kMaxChannels = 1024;
-constexpr std::int64_t kMaxValues = std::int64_t{1} << 31;
 // A constant picture shrinks to a few bytes a chunk; nothing that shrinks more is a picture.
 constexpr std::int64_t kMaxExpansion = 1 << 16;
 constexpr float kHalfMax = 65504.0f;
@@ -110,12 +109,12 @@ Region region_of(const std::string& file, const char* which, const Imath::Box2i&
 }
 
 void require_plausible(const std::string& file, const Region& data, std::size_t channels,
-                       std::uintmax_t bytes) {
+                       std::uintmax_t bytes, std::int64_t most_values) {
   if (channels < 1 || channels > kMaxChannels)
     throw InputError(file, fmt::format("has {} channels", channels), fmt::format("1 to {}", kMaxChannels));
   const std::int64_t values = data.area() * static_cast<std::int64_t>(channels);
-  if (values > kMaxValues)
-    throw InputError(file, fmt::format("holds {} values", values), fmt::format("at most {}", kMaxValues));
+  if (values > most_values)
+    throw InputError(file, fmt::format("holds {} values", values), fmt::format("at most {}", most_values));
   if (static_cast<std::uintmax_t>(values / kMaxExpansion) > bytes)
     throw InputError(file, fmt::format("claims {} values in {} bytes", values, bytes), "a complete file");
 }
@@ -156,7 +155,7 @@ void read_metadata(const Imf::Header& header, ExrImage& image) {
   image.others = std::move(others);
 }
 
-ExrImage read(const std::string& file, std::uintmax_t bytes) {
+ExrImage read(const std::string& file, std::uintmax_t bytes, std::int64_t most_values) {
   Imf::MultiPartInputFile parts(file.c_str());
   const Imf::Header& header = parts.header(0);
   if (header.hasType() && Imf::isDeepData(header.type()))
@@ -165,7 +164,7 @@ ExrImage read(const std::string& file, std::uintmax_t bytes) {
   image.display = region_of(file, "display", header.displayWindow());
   const Region data = region_of(file, "data", header.dataWindow());
   image.channels = channels_of(file, header);
-  require_plausible(file, data, image.channels.size(), bytes);
+  require_plausible(file, data, image.channels.size(), bytes, most_values);
   read_metadata(header, image);
   image.pixels = Image(data, static_cast<int>(image.channels.size()));
   Imf::FrameBuffer buffer;
@@ -208,12 +207,12 @@ void write_exr(const std::filesystem::path& file, const ExrImage& image, const s
   }
 }
 
-ExrImage read_exr(const std::filesystem::path& file) {
+ExrImage read_exr(const std::filesystem::path& file, std::int64_t most_values) {
   std::error_code missing;
   const std::uintmax_t bytes = std::filesystem::file_size(file, missing);
   if (missing) throw InputError(file.string(), missing.message(), "an OpenEXR file");
   try {
-    return read(file.string(), bytes);
+    return read(file.string(), bytes, most_values);
   } catch (const Error&) {
     throw;
   } catch (const std::exception& e) {  // OpenEXR's, and what a corrupt file makes it meet

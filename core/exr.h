@@ -2,6 +2,7 @@
 // Layered OpenEXR files in and out. The only file pair that sees OpenEXR.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -44,8 +45,9 @@ void write_exr(const std::filesystem::path& file, const ExrImage&, const std::st
 // Reads scanline and tiled files; of a file with several parts the first, which must be flat. Channels come
 // sorted by name; integer channels as float. Metadata are the attributes that are strings, floats or ints.
 // Throws InputError for a file that is missing, not an EXR, corrupt, incomplete, deep, or absurdly large:
-// edges above 65536, 1024 channels, 2^31 values, or more pixels than the file's bytes can hold.
-ExrImage read_exr(const std::filesystem::path& file);
+// edges above 65536, 1024 channels, more than `most_values`, or more pixels than the file's bytes can hold.
+inline constexpr std::int64_t kMostExrValues = std::int64_t{1} << 31;
+ExrImage read_exr(const std::filesystem::path& file, std::int64_t most_values = kMostExrValues);
 
 // OpenEXR's names: none rle zips zip piz pxr24 b44 b44a dwaa dwab.
 const std::vector<std::string>& exr_compressions();
