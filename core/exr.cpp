@@ -17,9 +17,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <fstream>
 #include <set>
 
 #include "core/error.h"
+#include "core/exr_header.h"
 #include "core/pending_file.h"
 
 namespace tessera {
@@ -155,6 +157,15 @@ void read_metadata(const Imf::Header& header, ExrImage& image) {
   image.others = std::move(others);
 }
 
+// Enough of a file for its headers.
+std::string start_of(const std::filesystem::path& file) {
+  std::string start(std::size_t{1} << 20, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(in.gcount()));
+  return start;
+}
+
 ExrImage read(const std::string& file, std::uintmax_t bytes, std::int64_t most_values) {
   Imf::MultiPartInputFile parts(file.c_str());
   const Imf::Header& header = parts.header(0);
@@ -211,6 +222,8 @@ ExrImage read_exr(const std::filesystem::path& file, std::int64_t most_values) {
   std::error_code missing;
   const std::uintmax_t bytes = std::filesystem::file_size(file, missing);
   if (missing) throw InputError(file.string(), missing.message(), "an OpenEXR file");
+  if (!exr_header_fits(start_of(file), bytes, 0))
+    throw InputError(file.string(), "its header promises more than it holds", "a complete OpenEXR file");
   try {
     return read(file.string(), bytes, most_values);
   } catch (const Error&) {

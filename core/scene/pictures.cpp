@@ -10,8 +10,8 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/exr_header.h"
 #include "core/scene/bmp_header.h"
-#include "core/scene/exr_header.h"
 #include "core/scene/files.h"
 #include "core/scene/srgb.h"
 #include "core/sha256.h"
@@ -46,7 +46,7 @@ std::string unsound(std::string_view extension, std::string_view bytes) {
   if (extension == ".jpg" && !jpeg_ends(bytes)) return "the image ends early";
   if (extension == ".bmp" && !bmp_fits(bytes))
     return "the bitmap is compressed, or promises more than it holds";
-  if (extension == ".exr" && !exr_header_fits(bytes, kMaxPictureEdge))
+  if (extension == ".exr" && !exr_header_fits(bytes, bytes.size(), kMaxPictureEdge))
     return fmt::format("the image promises more than it holds, or an edge of more than {} pixels",
                        kMaxPictureEdge);
   return {};

@@ -171,6 +171,12 @@ TEST_F(Exr, SaysWhatIsWrongWithFilesThatAreNoImages) {
   EXPECT_THROW(read_exr(file().parent_path()), InputError) << "a folder";
 }
 
+TEST_F(Exr, RefusesAnAttributeThatReachesBeyondTheFileBeforeMemoryIsTaken) {
+  std::string bytes("v/1\1\2\0\0\0comments\0string\0\xff\xff\xff\x7f", 28);
+  std::ofstream(file(), std::ios::binary) << bytes << std::string(100, 'x');
+  EXPECT_THAT(error_of([&] { read_exr(file()); }), HasSubstr("its header promises more than it holds"));
+}
+
 TEST_F(Exr, RefusesAFileCutShort) {
   write_exr(file(), image_of({0, 0, 64, 64}, {0, 0, 64, 64}, {{"R", true}}));
   fs::resize_file(file(), fs::file_size(file()) - 100);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/scene/exr_header.h"
+#include "core/exr_header.h"
 
 #include <cstdint>
 #include <cstring>
@@ -39,8 +39,8 @@ bool size_fits(std::string_view name, std::string_view value, std::int64_t most_
 
 }  // namespace
 
-bool exr_header_fits(std::string_view bytes, int most_edge) {
-  if (bytes.size() < kStart) return true;
+bool exr_header_fits(std::string_view bytes, std::uintmax_t file_bytes, int most_edge) {
+  if (bytes.size() < kStart || !bytes.starts_with("\x76\x2f\x31\x01")) return true;
   const bool many = (static_cast<unsigned char>(bytes[5]) & kManyParts) != 0;
   std::string_view left = bytes.substr(kStart);
   bool first = true;  // attribute of its header
@@ -52,16 +52,20 @@ bool exr_header_fits(std::string_view bytes, int most_edge) {
       continue;
     }
     first = false;
+    const bool all = bytes.size() >= file_bytes;  // then nothing can be beyond
     const auto name = take_text(left);
-    if (!name || !take_text(left) || left.size() < kSize) return false;
+    if (!name || !take_text(left) || left.size() < kSize) return !all;
     std::int32_t size = 0;
     std::memcpy(&size, left.data(), kSize);
     left.remove_prefix(kSize);
-    if (size < 0 || static_cast<std::size_t>(size) > left.size()) return false;
-    if (!size_fits(*name, left.substr(0, static_cast<std::size_t>(size)), most_edge)) return false;
+    const std::uintmax_t behind = file_bytes - (bytes.size() - left.size());
+    if (size < 0 || static_cast<std::uintmax_t>(size) > behind) return false;
+    if (static_cast<std::size_t>(size) > left.size()) return true;
+    if (most_edge > 0 && !size_fits(*name, left.substr(0, static_cast<std::size_t>(size)), most_edge))
+      return false;
     left.remove_prefix(static_cast<std::size_t>(size));
   }
-  return false;
+  return bytes.size() < file_bytes;
 }
 
 }  // namespace tessera

@@ -2,14 +2,16 @@
 // What OpenEXR trusts in the header of a file, looked at before it does.
 #pragma once
 
+#include <cstdint>
 #include <string_view>
 
 namespace tessera {
 
 // Whether every attribute of a file's headers lies in the file ("OpenEXR File Layout", Header), for OpenEXR
 // makes room for as many bytes as an attribute promises; and whether no data window or tile has an edge of
-// more than `most_edge` pixels, for it makes room for rows of them before anybody can look. Of bytes that are
-// no OpenEXR file it says nothing.
-bool exr_header_fits(std::string_view bytes, int most_edge);
+// more than `most_edge` pixels (0: whatever they are), for it makes room for rows of them before anybody can
+// look. `start`: the file's first bytes; of attributes beyond them, as of bytes that are no OpenEXR file, it
+// says nothing.
+bool exr_header_fits(std::string_view start, std::uintmax_t file_bytes, int most_edge);
 
 }  // namespace tessera
