@@ -121,6 +121,14 @@ void require_plausible(const std::string& file, const Region& data, std::size_t 
     throw InputError(file, fmt::format("claims {} values in {} bytes", values, bytes), "a complete file");
 }
 
+// OpenEXR makes room for a whole tile.
+void require_tiles(const std::string& file, const Imf::TileDescription& tile) {
+  constexpr unsigned kMostEdge = 4096;
+  if (tile.xSize < 1 || tile.ySize < 1 || tile.xSize > kMostEdge || tile.ySize > kMostEdge)
+    throw InputError(file, fmt::format("has tiles of {} x {} pixels", tile.xSize, tile.ySize),
+                     fmt::format("edges from 1 to {}", kMostEdge));
+}
+
 std::vector<ExrChannel> channels_of(const std::string& file, const Imf::Header& header) {
   std::vector<ExrChannel> channels;
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
@@ -176,6 +184,7 @@ ExrImage read(const std::string& file, std::uintmax_t bytes, std::int64_t most_v
   const Region data = region_of(file, "data", header.dataWindow());
   image.channels = channels_of(file, header);
   require_plausible(file, data, image.channels.size(), bytes, most_values);
+  if (header.hasTileDescription()) require_tiles(file, header.tileDescription());
   read_metadata(header, image);
   image.pixels = Image(data, static_cast<int>(image.channels.size()));
   Imf::FrameBuffer buffer;
