@@ -13,7 +13,7 @@
 
 // A few bytes may stand for a large picture, of which a filter takes dozens of planes: more memory than a
 // fuzzer has.
-constexpr std::int64_t kMostValues = 1 << 20;
+constexpr std::int64_t kMostValues = 1 << 18;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace tessera;
