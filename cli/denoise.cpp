@@ -40,16 +40,10 @@ std::vector<std::string> broken(const FilterPlan& plan, const Image& input) {
   return notices;
 }
 
-Image rgb_of(const Image& filtered) {
-  Image rgb(filtered.region(), 3);
-  std::ranges::copy(filtered.data().first(rgb.data().size()), rgb.data().begin());
-  return rgb;
-}
-
 // RGB. Each way has this frame in it, and lags behind what changes, but in opposite directions: equal weights
 // let that cancel, however much of the noise either way has lost.
 Image mean_of(const Image& forwards, const Image& backwards) {
-  Image mean = rgb_of(forwards);
+  Image mean = planes_of(forwards, 0, 3);
   for (std::size_t i = 0; i < mean.data().size(); ++i)
     mean.data()[i] += (backwards.data()[i] - mean.data()[i]) / 2;
   return mean;
@@ -106,7 +100,7 @@ class Denoiser {
   void look_back(Walk& walk, int number, FrameStore& behind) {
     const NoisyFrame frame = files_.read(number, true);
     const FilteredFrame filtered = walk.next(frame, number);
-    if (wanted_.contains(number)) behind.put(number, rgb_of(filtered.image));
+    if (wanted_.contains(number)) behind.put(number, planes_of(filtered.image, 0, 3));
     if (!filtered.cut.empty())
       problems_ << fmt::format("tessera: frame {} starts anew, backwards: {}\n", number, filtered.cut);
     for (const std::string& notice : frame.gathered.notices) say(notice);

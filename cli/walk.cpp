@@ -37,10 +37,7 @@ Size tile_of(const DenoiseOptions& o, const FilterPlan& plan, const Region& fram
 Image motion_of(const FilterPlan& plan, const Image& input) {
   const std::vector<Channel> channels = plan.inputs();
   const auto at = std::ranges::find(channels, Channel{Aov::motion, 0});
-  Image motion(input.region(), 2);
-  for (int c = 0; c < 2; ++c)
-    std::ranges::copy(input.plane(static_cast<int>(at - channels.begin()) + c), motion.plane(c).begin());
-  return motion;
+  return planes_of(input, static_cast<int>(at - channels.begin()), 2);
 }
 
 Image filtered(Device& device, const FilterPlan& plan, const Image& input, Size tile, const Image& history) {
@@ -53,13 +50,6 @@ Image filtered(Device& device, const FilterPlan& plan, const Image& input, Size 
     paste(whole, filter(device, plan, cropped(input, t.outer), t, frame, before));
   }
   return whole;
-}
-
-Image kept_of(const Image& filtered) {
-  const auto area = static_cast<std::size_t>(filtered.region().area());
-  Image kept(filtered.region(), filtered.planes() - 3);
-  std::ranges::copy(filtered.data().subspan(3 * area), kept.data().begin());
-  return kept;
 }
 
 }  // namespace
@@ -81,7 +71,7 @@ FilteredFrame Walk::next(const NoisyFrame& frame, int number) {
   const Image history = goes_on ? std::move(last_->planes) : Image{};
   failed(number);  // until it is done
   result.image = filtered(device_, frame.plan, frame.gathered.input, result.tile, history);
-  if (frame.plan.history() > 0) last_ = Kept{number, frame.picture.display, kept_of(result.image)};
+  if (frame.plan.history() > 0) last_ = Kept{number, frame.picture.display, planes_of(result.image, 3, frame.plan.history())};
   return result;
 }
 

@@ -5,7 +5,6 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "core/quality/guards.h"
@@ -148,9 +147,7 @@ std::vector<Work> Frame::remember(std::shared_ptr<const Image> history) {
 std::shared_ptr<const Image> Frame::kept() const {
   const int planes = history_planes(job_.filter);
   assert(stopped() && planes > 0);
-  std::vector<int> numbers(planes);
-  std::iota(numbers.begin(), numbers.end(), kFilteredPlanes);
-  return std::make_shared<const Image>(picked(stitched_, stitched_.region(), numbers));
+  return std::make_shared<const Image>(planes_of(stitched_, kFilteredPlanes, planes));
 }
 
 FilterInput Frame::filter_input(const FilterTask& task) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/image.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cstring>
 
@@ -26,6 +27,14 @@ Image cropped(const Image& image, const Region& region) {
   assert(image.region().contains(region));
   Image part(region, image.planes());
   paste(part, image);
+  return part;
+}
+
+Image planes_of(const Image& image, int first, int count) {
+  assert(first >= 0 && count >= 0 && first + count <= image.planes());
+  Image part(image.region(), count);
+  const auto from = image.data().subspan(static_cast<std::size_t>(image.region().area()) * first);
+  std::copy_n(from.begin(), part.data().size(), part.data().begin());
   return part;
 }
 

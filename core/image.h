@@ -56,6 +56,9 @@ Image cropped(const Image& image, const Region& region);
 // Copies the pixels that both images cover from `source` into `target` (same number of planes).
 void paste(Image& target, const Image& source);
 
+// Planes [first, first + count) of an image. Precondition: it has them.
+Image planes_of(const Image& image, int first, int count);
+
 // True if region, planes and every bit of every float agree.
 bool same_bits(const Image& a, const Image& b);
 

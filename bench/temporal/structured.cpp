@@ -88,13 +88,8 @@ void add_errors(Row& row) {
 void advance(Row& row, Device& device, int frame, const Image& light) {
   const FilterPlan plan = resolved(parse_filter(row.filter), {.frame = frame});
   const Image output = filter(device, plan, input_of(plan, light), {kFrame, kFrame}, kFrame, row.history);
-  const auto planes = [&](int first, int count) {
-    Image part(kFrame, count);
-    for (int p = 0; p < count; ++p) std::ranges::copy(output.plane(first + p), part.plane(p).begin());
-    return part;
-  };
-  row.image = planes(0, 3);
-  if (plan.history() > 0) row.history = planes(3, plan.history());
+  row.image = planes_of(output, 0, 3);
+  if (plan.history() > 0) row.history = planes_of(output, 3, plan.history());
 }
 
 Image grey(float (*value)(int, int)) {

@@ -47,12 +47,6 @@ struct Run {
   double rmse = 0;
 };
 
-Image planes_of(const Image& image, int first, int count) {
-  Image part(image.region(), count);
-  for (int p = 0; p < count; ++p) std::ranges::copy(image.plane(first + p), part.plane(p).begin());
-  return part;
-}
-
 // Filters the trial's frame; the sum of the kernels' milliseconds.
 double advance(Run& run, ClDevice& device, const judging::Trial& trial) {
   const FilterPlan plan = resolved(parse_filter(run.contestant->filter), trial.facts());

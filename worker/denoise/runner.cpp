@@ -30,15 +30,6 @@ void check(const FilterPlan& plan, const Image& input, const Tile& tile, const R
                             plan.history(), history.planes()));
 }
 
-// Planes [first, first + count) of an image.
-Image planes_of(const Image& image, int first, int count) {
-  Image part(image.region(), count);
-  std::ranges::copy(
-      image.data().subspan(static_cast<std::size_t>(image.region().area()) * first, part.data().size()),
-      part.data().begin());
-  return part;
-}
-
 }  // namespace
 
 Image filter(Device& device, const FilterPlan& plan, const Image& input, const Tile& tile,

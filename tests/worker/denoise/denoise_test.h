@@ -14,13 +14,6 @@
 
 namespace tessera {
 
-// Planes [first, first + count).
-inline Image planes_of(const Image& image, int first, int count) {
-  Image part(image.region(), count);
-  for (int p = 0; p < count; ++p) std::ranges::copy(image.plane(first + p), part.plane(p).begin());
-  return part;
-}
-
 class OnDevice : public testing::Test {
  protected:
   void SetUp() override {
