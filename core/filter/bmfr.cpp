@@ -18,22 +18,16 @@ constexpr Offset kOffsets[] = {{-14, -14}, {4, -6},   {-8, 14}, {8, 0},    {-10,
                                {12, -12},  {-10, 0},  {12, 14}, {-8, -16}, {6, 6},    {-2, -2},
                                {6, -14},   {-16, 12}, {14, -4}, {-6, 4}};
 
-Parameter choice(std::string_view name, std::string_view meaning, std::string_view source, double standard,
-                 std::vector<std::string_view> choices) {
-  const double high = static_cast<double>(choices.size()) - 1;
-  return {name, meaning, "", source, 0, high, standard, true, std::move(choices)};
-}
-
 void append_features(std::vector<Parameter>& to) {
   constexpr std::string_view source = "Koskela et al. 2019, section 5";
-  to.push_back(choice("normals", "columns of the fit: shading normals, or their squares too", source, 1,
-                      {"off", "on", "squared"}));
-  to.push_back(choice("positions", "columns of the fit: world positions, or their squares too", source, 2,
-                      {"off", "on", "squared"}));
-  to.push_back(choice("gradients", "columns of the fit: the place in the block, across and down", source, 0,
-                      {"off", "on"}));
-  to.push_back(choice("material", "a column of the fit: the number of the material",
-                      "Koskela et al. 2019, section 8, figure 12", 0, {"off", "on"}));
+  to.push_back(choice_parameter("normals", "columns of the fit: shading normals, or their squares too",
+                                source, {"off", "on", "squared"}, 1));
+  to.push_back(choice_parameter("positions", "columns of the fit: world positions, or their squares too",
+                                source, {"off", "on", "squared"}, 2));
+  to.push_back(choice_parameter("gradients", "columns of the fit: the place in the block, across and down",
+                                source, {"off", "on"}));
+  to.push_back(choice_parameter("material", "a column of the fit: the number of the material",
+                                "Koskela et al. 2019, section 8, figure 12", {"off", "on"}));
 }
 
 void append_history(std::vector<Parameter>& to) {
@@ -43,12 +37,12 @@ void append_history(std::vector<Parameter>& to) {
                 "Koskela et al. 2019, section 3.2", 0.001, 1, 0.2});
   to.push_back({"alpha_filtered", "least share of a new frame in the light that was fitted", "1",
                 "Koskela et al. 2019, section 3.5", 0.001, 1, 0.1});
-  to.push_back(choice(
+  to.push_back(choice_parameter(
       "test",
       "what tells that a pixel before is of the same surface, beside its normal: the position, or else "
       "the depth and the object, for a surface that moved",
-      "position: Koskela et al. 2019, section 3.2; moving: Schied et al. 2017, section 4.1", 1,
-      {"position", "moving"}));
+      "position: Koskela et al. 2019, section 3.2; moving: Schied et al. 2017, section 4.1",
+      {"position", "moving"}, 1));
   to.push_back({"limit_p", "how far its point may be", "pixel footprints",
                 "ours: Koskela et al. 2019 set a distance for each scene", 0.01, 1e4, 2});
   to.push_back({"distance_p", "how far its point may be, where not 0 and so in place of limit_p",
@@ -58,8 +52,8 @@ void append_history(std::vector<Parameter>& to) {
 
 std::vector<Parameter> parameters() {
   std::vector<Parameter> all{
-      choice("block", "edge of the blocks that share a fit, in pixels",
-             "Koskela et al. 2019, section 6.1 (32; 64 looks best)", 2, {"8", "16", "32", "64"}),
+      choice_parameter("block", "edge of the blocks that share a fit, in pixels",
+                       "Koskela et al. 2019, section 6.1 (32; 64 looks best)", {"8", "16", "32", "64"}, 2),
       {"grids",
        "displaced grids of blocks whose fits are averaged, each by its distance from the block's border; 0: "
        "1 with "
@@ -76,12 +70,11 @@ std::vector<Parameter> parameters() {
        true,
        {},
        SceneFact::frame},
-      choice("regularisation",
-             "what keeps the fit stable: a ridge, which is what the paper's noise amounts to on average, or "
-             "that "
-             "noise added to the features",
-             "stochastic: Koskela et al. 2019, section 3.4; ridge: its expectation", 0,
-             {"ridge", "stochastic"}),
+      choice_parameter("regularisation",
+                       "what keeps the fit stable: a ridge, which is what the paper's noise amounts to on "
+                       "average, or that noise added to the features",
+                       "stochastic: Koskela et al. 2019, section 3.4; ridge: its expectation",
+                       {"ridge", "stochastic"}),
       {"epsilon", "largest noise on a feature, of its range in the block; the ridge is of the same strength",
        "1", "Koskela et al. 2019, section 3.4", 1e-3, 1, 0.01},
       {"clamp",

@@ -15,10 +15,6 @@ Parameter scale(std::string_view name, std::string_view meaning, std::string_vie
   return {name, meaning, unit, "van de Vlasakker 2013, equation 6.10 (s_f); the values it used are not given",
           0,    1e6,     1};
 }
-Parameter choice(std::string_view name, std::string_view meaning, std::string_view source,
-                 std::vector<std::string_view> choices) {
-  return {name, meaning, "", source, 0, 1, 0, true, std::move(choices)};
-}
 
 std::vector<Parameter> parameters() {
   return {
@@ -38,18 +34,19 @@ std::vector<Parameter> parameters() {
       scale("s_texture", "how fast variance of albedo does away with its stop", "1"),
       scale("s_direction", "how fast variance of directions does away with their stop", "1"),
       scale("s_texture2", "how fast variance of texture2 does away with its stop", "1"),
-      choice("direction",
-             "whose indirect light the stop of directions weighs down: everybody's, which changes nothing, "
-             "or the"
-             " neighbours' only, so that the less directions vary the less is filtered",
-             "van de Vlasakker 2013, equation 6.14, as printed or as its text wants it",
-             {"literal", "neighbours"}),
-      choice("holes", "whether every second row and column of the window is left out",
-             "van de Vlasakker 2013, section 6.3.3", {"off", "on"}),
-      choice("progressive",
-             "whether the variances of light shrink with the samples, being the paper's at 8 of them",
-             "the paper's filter does not converge; 8 samples: van de Vlasakker 2013, chapter 7",
-             {"off", "on"}),
+      choice_parameter(
+          "direction",
+          "whose indirect light the stop of directions weighs down: everybody's, which changes nothing, "
+          "or the"
+          " neighbours' only, so that the less directions vary the less is filtered",
+          "van de Vlasakker 2013, equation 6.14, as printed or as its text wants it",
+          {"literal", "neighbours"}),
+      choice_parameter("holes", "whether every second row and column of the window is left out",
+                       "van de Vlasakker 2013, section 6.3.3", {"off", "on"}),
+      choice_parameter(
+          "progressive",
+          "whether the variances of light shrink with the samples, being the paper's at 8 of them",
+          "the paper's filter does not converge; 8 samples: van de Vlasakker 2013, chapter 7", {"off", "on"}),
       diameter_parameter(),
   };
 }

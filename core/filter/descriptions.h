@@ -42,6 +42,10 @@ inline constexpr double kExpFlops = 15;
 // And of weight_of (worker/denoise/kernels/window.cl).
 inline constexpr double kWeightFlops = 12;
 
+// One of the names, by default that of number `standard`.
+Parameter choice_parameter(std::string_view name, std::string_view meaning, std::string_view source,
+                           std::vector<std::string_view> choices, double standard = 0);
+
 // Parameters that several a-trous filters have.
 Parameter levels_parameter(std::string_view source);
 Parameter sigma_n_parameter(std::string_view source);

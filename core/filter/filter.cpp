@@ -47,6 +47,12 @@ void append(std::vector<Channel>& to, std::initializer_list<Aov> aovs, Statistic
     for (const Channel& c : channels_of(a, statistic, share)) to.push_back(c);
 }
 
+Parameter choice_parameter(std::string_view name, std::string_view meaning, std::string_view source,
+                           std::vector<std::string_view> choices, double standard) {
+  const double high = static_cast<double>(choices.size()) - 1;
+  return {name, meaning, "", source, 0, high, standard, true, std::move(choices)};
+}
+
 Parameter levels_parameter(std::string_view source) {
   return {"levels", "levels of the a-trous transform; level i reads 2^(i+1) pixels far", "", source, 1, 5, 5,
           true};
@@ -72,17 +78,11 @@ Parameter sigma_x_parameter(std::string_view source) {
 }
 
 Parameter history_parameter() {
-  return {
+  return choice_parameter(
       "history",
       "whether light is accumulated over the frames of a shot, each found in the one before by its motion "
       "vectors",
-      "",
-      "Schied et al. 2017, section 4.1; Koskela et al. 2019, section 3.2",
-      0,
-      1,
-      0,
-      true,
-      {"off", "on"}};
+      "Schied et al. 2017, section 4.1; Koskela et al. 2019, section 3.2", {"off", "on"});
 }
 
 Parameter alpha_parameter(std::string_view name, std::string_view meaning) {
@@ -90,17 +90,12 @@ Parameter alpha_parameter(std::string_view name, std::string_view meaning) {
 }
 
 Parameter average_parameter() {
-  return {
+  return choice_parameter(
       "average",
       "how a history shorter than 1 / alpha frames is averaged: plain, each of its frames weighing the same; "
       "or exponential, alpha from the second frame on",
-      "",
       "plain: Koskela et al. 2019, section 3.2; exponential: Schied et al. 2017, section 4.1",
-      0,
-      1,
-      0,
-      true,
-      {"plain", "exponential"}};
+      {"plain", "exponential"});
 }
 
 void append_trace(std::vector<Channel>& to, const ParameterValues& values) {

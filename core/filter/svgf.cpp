@@ -34,21 +34,16 @@ std::vector<Parameter> parameters() {
        {"1", "2", "4", "8", "16", "32", "64", "128", "256", "512", "1024"}},
       {"sigma_l", "luminance difference that stops the filter, in standard deviations", "1",
        "Schied et al. 2017, equation 5 and section 4.4", 0.01, 1000, 4.0},
-      {"variance",
-       "where the variance comes from. spatial: from the 7x7 neighbourhood; with history, where that is at "
-       "least 4 "
-       "frames long, from its frames. samples: from the renderer's samples; with history, as much of it as "
-       "averaging "
-       "the frames leaves; smoothed over 7x7 pixels",
-       "",
-       "spatial: Schied et al. 2017, section 4.2; samples: its section 5.6 advises a conventional variance "
-       "at higher "
-       "sample counts",
-       from_picture,
-       from_samples,
-       from_samples,
-       true,
-       {"spatial", "samples"}},
+      choice_parameter("variance",
+                       "where the variance comes from. spatial: from the 7x7 neighbourhood; with history, "
+                       "where that is at "
+                       "least 4 frames long, from its frames. samples: from the renderer's samples; with "
+                       "history, as much of "
+                       "it as averaging the frames leaves; smoothed over 7x7 pixels",
+                       "spatial: Schied et al. 2017, section 4.2; samples: its section 5.6 advises a "
+                       "conventional variance "
+                       "at higher sample counts",
+                       {"spatial", "samples"}, from_samples),
       history_parameter(),
       alpha_parameter("alpha", "weight of a frame's light in its accumulation over frames"),
       alpha_parameter("alpha_moments",
@@ -74,11 +69,12 @@ std::vector<Channel> inputs(const ParameterValues& values) {
 }
 
 std::vector<Pass> passes(const ParameterValues& values) {
-  constexpr double kExpFlops =
+  constexpr double kShortExpFlops =
       1 + 2 + 1 + 8 + 2;                       // exp2_of_bits: bound, whole number, bits, polynomial, bits
   constexpr double kGeometry = 3 + 5 + 1 + 7;  // depth, cosine, bound, seven squarings
   constexpr double kChord = 7.0 / 2;           // half a depth scale per tap
-  constexpr double kLightTap = 3 + 5 + 3 + kExpFlops + 1 + 1 + 6 + 3;  // differences, luminance, weight, sums
+  constexpr double kLightTap =
+      3 + 5 + 3 + kShortExpFlops + 1 + 1 + 6 + 3;  // differences, luminance, weight, sums
   constexpr double kFloats = 4 + 8 + 8;
   std::vector<Pass> all;
   if (with_history(values)) {
@@ -89,10 +85,11 @@ std::vector<Pass> passes(const ParameterValues& values) {
         accumulation("svgf_accumulate", 6 + statistics, kSignal + kGuides + statistics + kTracePlanes));
   }
   if (values.find("variance")->second == from_picture)
-    all.push_back(
-        {"svgf_variance_spatial", 1, 3, 48 * (kGeometry + kChord + kExpFlops + 2 + 2 * 17) + 40, 4 + 6 + 2});
+    all.push_back({"svgf_variance_spatial", 1, 3,
+                   48 * (kGeometry + kChord + kShortExpFlops + 2 + 2 * 17) + 40, 4 + 6 + 2});
   else
-    all.push_back({"svgf_variance_samples", 1, 3, 48 * (kGeometry + kChord + kExpFlops + 6) + 20, 4 + 2 + 2});
+    all.push_back(
+        {"svgf_variance_samples", 1, 3, 48 * (kGeometry + kChord + kShortExpFlops + 6) + 20, 4 + 2 + 2});
   append_levels(all,
                 {.kernel = "svgf_level",
                  .flops = 24 * (kGeometry + kChord + 2 * kLightTap) + 2 * (9 * 4 + 20) + 20,

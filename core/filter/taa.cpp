@@ -9,16 +9,10 @@ namespace tessera {
 
 void append_taa_parameters(std::vector<Parameter>& to) {
   constexpr std::string_view source = "Karis 2014, High-quality Temporal Supersampling";
-  to.push_back(
-      {"taa",
-       "whether the picture is mixed with the last frame's in the end, which steadies edges and is biased",
-       "",
-       source,
-       0,
-       1,
-       0,
-       true,
-       {"off", "on"}});
+  to.push_back(choice_parameter(
+      "taa",
+      "whether the picture is mixed with the last frame's in the end, which steadies edges and is biased",
+      source, {"off", "on"}));
   to.push_back({"taa_alpha", "share of the new picture in that mixture", "1",
                 "Karis 2014; Koskela et al. 2019 take 0.2 in their program", 0.01, 1, 0.1});
   to.push_back(
