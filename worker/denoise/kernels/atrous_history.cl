@@ -22,19 +22,15 @@ kernel void atrous_accumulate(global const float* restrict input, int w, int h, 
     for (int c = 0; c < 3; ++c) light[c] = load(signal + c * plane + p);
     for (int c = 0; c < 4; ++c) total[c] = 0.0f;
     FOR_EACH_PAST_TAP(seen, sum, total, 4, 13, {
-      vf value[4];
-      vi same = same_surface(trace, past + 4 * past_area, past_area, tap);
-      if (!any_lane(same)) continue;
+      taken = same_surface(trace, past + 4 * past_area, past_area, tap);
+      if (!any_lane(taken)) continue;
       for (int c = 0; c < 3; ++c) {
         const vf v = at_tap(past + c * past_area, tap);
-        same &= ordinary(v);
+        taken &= ordinary(v);
         value[c] = v - light[c];
       }
       value[3] = at_tap(past + 3 * past_area, tap);
-      same &= (value[3] >= (vf)1.0f) & (value[3] <= (vf)LONGEST_HISTORY);
-      sum += same ? weight : (vf)0.0f;
-      _Pragma("unroll")
-      for (int c = 0; c < 4; ++c) total[c] = same ? fma(weight, value[c], total[c]) : total[c];
+      taken &= (value[3] >= (vf)1.0f) & (value[3] <= (vf)LONGEST_HISTORY);
     })
     const vf length = longer(sum, total[3]), per_sum = sum > (vf)0.0f ? 1.0f / sum : (vf)0.0f;
     const vf old = (1.0f - weight_of_now(length, alpha, plain)) * per_sum;

@@ -78,17 +78,13 @@ INLINE vf sums_before(Seen place, const Surface* s, global const float* past, in
 #pragma unroll
   for (int c = 0; c < ACCUMULATED; ++c) total[c] = 0.0f;
   FOR_EACH_PAST_TAP(place, sum, total, ACCUMULATED, 4, {
-    vf value[ACCUMULATED];
-    vi taken = tap.inside & same_surface(s, past, PAST_AREA, tap);
+    taken &= same_surface(s, past, PAST_AREA, tap);
     _Pragma("unroll")
     for (int c = 0; c < ACCUMULATED; ++c) {
       value[c] = at_tap(past + (c < BEFORE ? c : KEPT_FILTERED + c - BEFORE) * PAST_AREA, tap);
       taken &= ordinary(value[c]);
     }
     taken &= (value[COUNT] >= (vf)1.0f) & (value[COUNT] <= (vf)LARGEST_COUNT);
-    sum += taken ? weight : (vf)0.0f;
-    _Pragma("unroll")
-    for (int c = 0; c < ACCUMULATED; ++c) total[c] = taken ? fma(weight, value[c], total[c]) : total[c];
   })
   return sum;
 }
@@ -96,11 +92,10 @@ INLINE vf sums_before(Seen place, const Surface* s, global const float* past, in
 // The light of this frame and the mean before, mixed. sum: of the weights of what is in `total`; too small ones say
 // nothing.
 INLINE void accumulate(const Pixel* s, vf sum, const vf* total, float alpha, vf* kept) {
-  const vf to_whole = 12582912.0f;  // 1.5 * 2^23
   const vi known = sum >= (vf)0.01f;
   const vf scale = 1.0f / sum, frames = total[COUNT] * scale;
   const vf equal = 1.0f / (frames + 1.0f), share = equal > (vf)alpha ? equal : (vf)alpha;
-  const vf next = ((frames + to_whole) - to_whole) + 1.0f;
+  const vf next = rounded(frames) + 1.0f;
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
     const vf then = total[c] * scale * DOWN;

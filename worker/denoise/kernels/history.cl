@@ -140,8 +140,9 @@ INLINE vf bilinear(Seen s, int i, int j) {
   return (i ? s.right : 1.0f - s.right) * (j ? s.below : 1.0f - s.below);
 }
 
-// Runs BODY for each tap, which finds `tap` and `weight`. Where it takes the tap, it adds the weight to SUM and to each
-// of the COUNT numbers TOTAL[] the weight times something: nowhere else, for what it does not take may be no number.
+// Runs BODY for each tap, which finds `tap`, sets the COUNT numbers value[], and says in `taken` where they are to count:
+// to begin with, where there is a tap. There the tap's weight is added to SUM, and to each of TOTAL[] the weight times
+// its value: nowhere else, for what is not taken may be no number. A `continue` passes over a tap that nobody takes.
 // LAST: 4, or 13 with the nine.
 #define FOR_EACH_PAST_TAP(SEEN, SUM, TOTAL, COUNT, LAST, BODY)                                                    \
   if (any_lane((SEEN).wanted)) {                                                                                  \
@@ -158,14 +159,23 @@ INLINE vf bilinear(Seen s, int i, int j) {
       const int tap_j = tap_number < 4 ? tap_number / 2 : (tap_number - 4) / 3 - 1;                               \
       const Tap tap = tap_of(seen_now, tap_i, tap_j, PAST_WIDTH, past_y1 - past_y0);                              \
       const vf weight = tap_number < 4 ? bilinear(seen_now, tap_i, tap_j) : (vf)1.0f;                             \
+      vf value[COUNT];                                                                                            \
+      vi taken = tap.inside;                                                                                      \
       BODY                                                                                                        \
+      (SUM) += taken ? weight : (vf)0.0f;                                                                         \
+      _Pragma("unroll") for (int c = 0; c < (COUNT); ++c)                                                         \
+        (TOTAL)[c] = taken ? fma(weight, value[c], (TOTAL)[c]) : (TOTAL)[c];                                      \
     }                                                                                                             \
   }
 
+INLINE vf rounded(vf v) {
+  const vf to_whole = 12582912.0f;  // 1.5 * 2^23
+  return (v + to_whole) - to_whole;
+}
+
 // How long the history is with this frame. `before`: the sum of weight times length.
 vf longer(vf sum, vf before) {
-  const vf to_whole = 12582912.0f;  // 1.5 * 2^23
-  const vf mean = (before / sum + to_whole) - to_whole;
+  const vf mean = rounded(before / sum);
   const vf next = mean < (vf)(LONGEST_HISTORY - 1) ? mean + 1.0f : (vf)LONGEST_HISTORY;
   return sum > (vf)0.0f ? next : (vf)1.0f;
 }

@@ -70,13 +70,9 @@ kernel void svgf_accumulate(global const float* restrict input, int w, int h, gl
     for (int s = 0; s < 2; ++s) bright[s] = luminance(light[3 * s], light[3 * s + 1], light[3 * s + 2]);
     for (int c = 0; c < TOTALS; ++c) total[c] = 0.0f;
     FOR_EACH_PAST_TAP(seen, sum, total, TOTALS, 13, {
-      vf value[TOTALS];
-      vi same = same_surface(trace, past + KEPT_TRACE * past_area, past_area, tap);
-      if (!any_lane(same)) continue;
-      same &= kept_at(past, past_area, tap, light, bright, value);
-      sum += same ? weight : (vf)0.0f;
-      _Pragma("unroll")
-      for (int c = 0; c < TOTALS; ++c) total[c] = same ? fma(weight, value[c], total[c]) : total[c];
+      taken = same_surface(trace, past + KEPT_TRACE * past_area, past_area, tap);
+      if (!any_lane(taken)) continue;
+      taken &= kept_at(past, past_area, tap, light, bright, value);
     })
     const vf length = longer(sum, total[KEPT_LENGTH]), per_sum = sum > (vf)0.0f ? 1.0f / sum : (vf)0.0f;
     const vf old = (1.0f - weight_of_now(length, alpha.x, plain)) * per_sum;

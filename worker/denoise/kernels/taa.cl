@@ -11,12 +11,6 @@
 #define LONGEST 1e12f  // squared motion; what is beyond was not in the picture
 #define LARGEST_SQUARE 1e36f
 
-INLINE vi numbered_from(int first) {
-  int lanes[VW];
-  for (int k = 0; k < VW; ++k) lanes[k] = first + k;
-  return load(lanes);
-}
-
 // The pixels around: rows of `width`; i, j: the middle one. Rows and columns that are not there are taken for the middle
 // one's, and do not count.
 typedef struct {
@@ -29,7 +23,7 @@ INLINE Around around(int i, int width, int j, int height) {
   Around a = {i, width, {max(j - 1, 0), j, min(j + 1, height - 1)}, i >= 1 && i + VW < width};
 #pragma unroll
   for (int k = 0; k < 3; ++k) {
-    const vi number = numbered_from(i + k - 1);
+    const vi number = (vi)(i + k - 1) + load(kLanes);
     a.beside[k] = (number >= 0) & (number < width);
   }
 #pragma unroll
@@ -151,14 +145,10 @@ INLINE void mix_in(const Statistics* s, vi known, float alpha, vf* rgb) {
 INLINE vi picture_before(Seen place, global const float* past, int past_x0, int past_y0, int past_x1, int past_y1, vf* rgb) {
   vf sum = 0.0f, total[3] = {0.0f, 0.0f, 0.0f};
   FOR_EACH_PAST_TAP(place, sum, total, 3, 4, {
-    vf value[3];
-    vi taken = tap.inside;
     _Pragma("unroll") for (int c = 0; c < 3; ++c) {
       value[c] = at_tap(past + c * PAST_AREA, tap);
       taken &= ordinary(value[c]);
     }
-    sum += taken ? weight : (vf)0.0f;
-    _Pragma("unroll") for (int c = 0; c < 3; ++c) total[c] = taken ? fma(weight, value[c], total[c]) : total[c];
   })
   const vi known = sum >= (vf)0.25f;
   for (int c = 0; c < 3; ++c) rgb[c] = known ? total[c] / sum : (vf)0.0f;
