@@ -29,6 +29,20 @@ struct BlockFeatures {
 };
 BlockFeatures block_features(const ParameterValues&);
 
+// Floats of what is known of a cell, and of a model that is fitted to four of them.
+struct BlockSizes {
+  int features = 0, axes = 0;  // as BlockFeatures says
+  int columns = 0;             // of the fit: 1, features, noise on them
+  int roles = 1;               // in which a cell is summed up
+  int sums() const { return columns * (columns + 1) / 2 + 3 * columns; }
+  int of_cell() const { return roles * sums() + 3 * axes + 6; }
+  int of_model() const { return 3 + 3 * features + 3 * axes + 3; }
+};
+BlockSizes block_sizes(const ParameterValues&);
+
+// Planes that accumulation over frames leaves: light, of how many frames, and filtered light.
+inline constexpr int kAccumulatedPlanes = 3 + 1 + 3;
+
 // Whether a pixel before may be of this surface though it is elsewhere in the world: told by depth and
 // object.
 bool surfaces_move(const ParameterValues&);

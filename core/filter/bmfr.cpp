@@ -106,36 +106,26 @@ int own_history(const ParameterValues& values) {
 }
 int history(const ParameterValues& values) { return own_history(values) + taa_history(values); }
 
-struct Sizes {
-  double cell;  // pixels of a cell
-  double features, axes;
-  double columns;  // of the fit: 1, features, noise on them
-  double roles;    // in which a cell is summed up
-  double sums() const { return columns * (columns + 1) / 2 + 3 * columns; }
-  double of_cell() const { return roles * sums() + 3 * axes + 6; }
-  double of_model() const { return 3 + 3 * features + 3 * axes + 3; }
-};
-Sizes sizes(const ParameterValues& values) {
+// Pixels of a cell.
+double cell_area(const ParameterValues& values) {
   const double edge = 4 << static_cast<int>(values.find("block")->second);
-  const bool noisy = values.find("regularisation")->second == 1;
-  const BlockFeatures f = block_features(values);
-  const double features = f.columns();
-  return {edge * edge, features, double(f.axes()), 1 + (noisy ? 2 : 1) * features, noisy ? 4.0 : 1.0};
+  return edge * edge;
 }
 
 constexpr double kLight = 3 * 3 + 16 * 2;
-constexpr int kAccumulated = 3 + 1 + 3;  // planes: light, frames, filtered light
 
 Pass accumulation(const ParameterValues& values) {
   const double kept = own_history(values), read = 16 + 2 + (surfaces_move(values) ? 2 : 0);
   const double test = 2 * 3 * 3 + 4 + (surfaces_move(values) ? 5 : 0),
-               tap = 4 + test + 7 + 3 + 2 * kAccumulated;
+               tap = 4 + test + 7 + 3 + 2 * kAccumulatedPlanes;
   constexpr double kFootprint = 4 * 10 + 6, kPlace = 12, kMix = 8 + 3 * 6;
-  return {"bmfr_accumulate", 1, 1, kLight + kFootprint + kPlace + 4 * tap + kMix, read + kept + kAccumulated};
+  return {"bmfr_accumulate", 1, 1, kLight + kFootprint + kPlace + 4 * tap + kMix,
+          read + kept + kAccumulatedPlanes};
 }
 
 std::vector<Pass> passes(const ParameterValues& values) {
-  const Sizes s = sizes(values);
+  const BlockSizes s = block_sizes(values);
+  const double cell = cell_area(values);
   const int reach = (8 << static_cast<int>(values.find("block")->second)) - 1;
   constexpr double kClip = 2 * 3 * 10;
   const double f = s.features, mean = 6 + 9 * 2 + 3;
@@ -148,19 +138,19 @@ std::vector<Pass> passes(const ParameterValues& values) {
   all.push_back({"bmfr_cells", 1, reach,
                  (temporal ? 0 : kLight) + kClip + mean + s.roles * (noise + 2 * s.sums()),
                  temporal ? 10.0 : 16.0});
-  all.push_back({"bmfr_fit", 1, 0, (4 * (change + 130) + 2 * 130 + solve) / s.cell,
-                 (4 * s.sums() + 3 * s.axes + 6 + s.of_model()) / s.cell});
+  all.push_back({"bmfr_fit", 1, 0, (4 * (change + 130) + 2 * 130 + solve) / cell,
+                 (4 * s.sums() + 3 * s.axes + 6 + s.of_model()) / cell});
   all.push_back({"finish", 1, 0, kLight + grids_taken(values) * model + 10 + (temporal ? 3 * 3 + 2 : 0),
-                 16 + 3 + (temporal ? kAccumulated + own_history(values) : 0.0)});
+                 16 + 3 + (temporal ? kAccumulatedPlanes + own_history(values) : 0.0)});
   append_taa_pass(all, values);
   return all;
 }
 
 // Of cells and models there are more per pixel in a small tile: a cell at each border is partly outside.
 double scratch(const ParameterValues& values) {
-  const Sizes s = sizes(values);
-  return 2 * (s.of_cell() + s.of_model()) / s.cell + (with_history(values) ? kAccumulated : 0) +
-         taa_scratch(values);
+  const BlockSizes s = block_sizes(values);
+  return 2.0 * (s.of_cell() + s.of_model()) / cell_area(values) +
+         (with_history(values) ? kAccumulatedPlanes : 0) + taa_scratch(values);
 }
 
 }  // namespace
@@ -179,6 +169,12 @@ int grids_taken(const ParameterValues& values) {
 BlockFeatures block_features(const ParameterValues& values) {
   const auto number = [&](std::string_view name) { return static_cast<int>(values.find(name)->second); };
   return {number("normals"), number("positions"), number("gradients"), number("material")};
+}
+
+BlockSizes block_sizes(const ParameterValues& values) {
+  const bool noisy = values.find("regularisation")->second == 1;
+  const BlockFeatures f = block_features(values);
+  return {f.columns(), f.axes(), 1 + (noisy ? 2 : 1) * f.columns(), noisy ? 4 : 1};
 }
 
 bool surfaces_move(const ParameterValues& values) { return values.find("test")->second == 1; }

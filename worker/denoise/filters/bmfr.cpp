@@ -12,20 +12,9 @@
 namespace tessera {
 namespace {
 
-constexpr int kAccumulatedPlanes = 7;
-
 int floor_of_quotient(int a, int b) { return a / b - (a % b < 0); }
 
 bool stochastic(const FilterPlan& plan) { return plan.is("regularisation", "stochastic"); }
-BlockFeatures features(const FilterPlan& plan) { return block_features(plan.parameters); }
-int columns(const FilterPlan& plan) { return 1 + (stochastic(plan) ? 2 : 1) * features(plan).columns(); }
-int planes_of_cell(const FilterPlan& plan) {
-  const int n = columns(plan), sums = n * (n + 1) / 2 + 3 * n;
-  return (stochastic(plan) ? 4 : 1) * sums + 3 * features(plan).axes() + 6;
-}
-int planes_of_model(const FilterPlan& plan) {
-  return 3 + 3 * features(plan).columns() + 3 * features(plan).axes() + 3;
-}
 
 // The cells of the blocks in which pixels of the picture lie: its own and those around. They are within the
 // halo, or beyond the frame's border.
@@ -75,10 +64,11 @@ void run(Stage& s) {
   const FilterPlan& plan = s.plan();
   const Picture result = picture(s);
   const Cells c = cells_of(s, result.region);
+  const BlockSizes sizes = block_sizes(plan.parameters);
   const Region& outer = s.outer();
   const cl::Buffer light = accumulated(s);
-  const Planes cells = s.scratch(static_cast<std::size_t>(c.plane) * planes_of_cell(plan)),
-               models = s.scratch(static_cast<std::size_t>(c.plane) * planes_of_model(plan));
+  const Planes cells = s.scratch(static_cast<std::size_t>(c.plane) * sizes.of_cell()),
+               models = s.scratch(static_cast<std::size_t>(c.plane) * sizes.of_model());
   const cl_int4 lattice{{c.x, c.y, c.across, c.down}};
   const Region over{0, 0, c.across, c.down};
   s.run("bmfr_cells", over, 1, s.input(), light, outer.width(), outer.height(), relative(s.frame(), outer),
@@ -96,12 +86,12 @@ void run(Stage& s) {
 }
 
 std::string options(const FilterPlan& plan) {
-  const BlockFeatures f = features(plan);
+  const BlockFeatures f = block_features(plan.parameters);
   return fmt::format(
       "-DCELL={} -DGRIDS={} -DCOLUMNS={} -DNORMALS={} -DPOSITIONS={} -DGRADIENTS={} -DMATERIAL={}"
       " -DTEMPORAL={:d} -DOBJECTS={:d}",
-      block_grid(plan).cell(), grids_taken(plan.parameters), columns(plan), f.normals, f.positions,
-      f.gradients, f.material, with_history(plan.parameters), surfaces_move(plan.parameters));
+      block_grid(plan).cell(), grids_taken(plan.parameters), block_sizes(plan.parameters).columns, f.normals,
+      f.positions, f.gradients, f.material, with_history(plan.parameters), surfaces_move(plan.parameters));
 }
 
 }  // namespace
