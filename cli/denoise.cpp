@@ -10,6 +10,7 @@
 #include <set>
 
 #include "cli/frame_store.h"
+#include "cli/picture_options.h"
 #include "cli/walk.h"
 #include "core/error.h"
 #include "core/layers.h"

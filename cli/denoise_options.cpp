@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/denoise.h"
-#include "core/exr.h"
+#include "cli/picture_options.h"
 
 namespace tessera {
 namespace {
@@ -54,13 +54,7 @@ void describe(CLI::App& app, DenoiseOptions& o) {
       ->capture_default_str();
   add_source_options(app, o);
   add_tile_options(app, o);
-  app.add_option("--compression", o.compression, "Of the EXR")
-      ->check(CLI::IsMember(exr_compressions()))
-      ->envname("TESSERA_COMPRESSION")
-      ->capture_default_str();
-  app.add_option("--exposure", o.exposure, "Stops, of the PNG preview only")
-      ->check(CLI::Range(-100.0, 100.0))
-      ->capture_default_str();
+  add_picture_options(app, o.compression, o.exposure);
   app.add_flag("--quiet", o.quiet, "Only problems");
 }
 

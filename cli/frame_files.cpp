@@ -16,12 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr const char *kImage = "tessera/job", *kHistory = "tessera/history";
 
-// The text under that name in a file that can be read to its end; empty: there is none.
-std::string text_in(const ExrImage& file, const char* name) {
-  const auto found = file.metadata.find(name);
-  const auto* text = found == file.metadata.end() ? nullptr : std::get_if<std::string>(&found->second);
-  return text == nullptr ? "" : *text;
-}
+// Of a file that can be read to its end.
 std::optional<ExrImage> read_whole(const fs::path& file) {
   try {
     return fs::exists(file) ? std::optional(read_exr(file)) : std::nullopt;
@@ -52,7 +47,8 @@ fs::path FrameFiles::frame(int number) const {
 
 bool FrameFiles::holds(int number, const std::string& key) const {
   const auto file = read_whole(frame(number));
-  return file && text_in(*file, kImage) == key;
+  const std::string* held = file ? file->about<std::string>(kImage) : nullptr;
+  return held != nullptr && *held == key;
 }
 
 fs::path FrameFiles::history() const { return beside(output_, "history"); }
@@ -70,9 +66,11 @@ void FrameFiles::keep(const Kept& kept) const {
 
 std::optional<Kept> FrameFiles::kept(const Job& like) const {
   auto file = is_pattern(output_) ? read_whole(history()) : std::nullopt;
-  if (!file || file->pixels.region() != like.region() || file->pixels.planes() != history_planes(like.filter))
+  const std::string* key = file ? file->about<std::string>(kHistory) : nullptr;
+  if (key == nullptr || file->pixels.region() != like.region() ||
+      file->pixels.planes() != history_planes(like.filter))
     return std::nullopt;
-  return Kept{text_in(*file, kHistory), std::make_shared<const Image>(std::move(file->pixels))};
+  return Kept{*key, std::make_shared<const Image>(std::move(file->pixels))};
 }
 
 }  // namespace tessera

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "cli/picture_options.h"
 #include "cli/version.h"
 #include "core/error.h"
 #include "core/png.h"
@@ -37,8 +38,7 @@ void require_other_file(const fs::path& in, const fs::path& out) {
 
 // Of a single image the number that our files tell.
 int number_in(const ExrImage& picture) {
-  const auto at = picture.metadata.find("tessera/frame");
-  const int* number = at == picture.metadata.end() ? nullptr : std::get_if<int>(&at->second);
+  const int* number = picture.about<int>("tessera/frame");
   return number ? *number : 0;
 }
 
@@ -68,11 +68,6 @@ ExrImage delivered(const ExrImage& picture, const Image& rgb, const FilterPlan& 
 }
 
 }  // namespace
-
-void refuse_option(std::string_view option, std::string_view value, std::string_view accepted) {
-  throw Error(ExitCode::bad_usage,
-              fmt::format("{}: '{}' is not accepted; accepted: {}", option, value, accepted));
-}
 
 NoisyFiles::NoisyFiles(const DenoiseOptions& o)
     : options_(o), plan_(parse_filter(o.filter)), guides_(guides_of(o)) {

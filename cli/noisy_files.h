@@ -46,7 +46,4 @@ class NoisyFiles {
   std::optional<std::array<float, 2>> motion_scale_;
 };
 
-// Throws Error(bad_usage): the option's value is not accepted, and what is.
-[[noreturn]] void refuse_option(std::string_view option, std::string_view value, std::string_view accepted);
-
 }  // namespace tessera

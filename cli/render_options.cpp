@@ -10,9 +10,9 @@
 #include <cmath>
 
 #include "cli/limit_options.h"
+#include "cli/picture_options.h"
 #include "cli/sizes.h"
 #include "core/error.h"
-#include "core/exr.h"
 #include "core/sample_range.h"
 
 namespace tessera {
@@ -24,11 +24,6 @@ constexpr int kMostThreads = 1024;
 constexpr std::string_view kLightGroups = "light_groups";
 constexpr std::array kProgress{"auto", "bar", "lines", "json", "openjd", "none"};
 constexpr std::array kLevels{"debug", "info", "warning", "error"};
-
-[[noreturn]] void refuse(std::string_view option, std::string_view value, std::string_view accepted) {
-  throw Error(ExitCode::bad_usage,
-              fmt::format("{}: '{}' is not accepted; accepted: {}", option, value, accepted));
-}
 
 template <class Number>
 std::optional<Number> number(std::string_view text) {
@@ -56,7 +51,7 @@ AovSet parse_aovs(const std::vector<std::string>& names) {
     const auto is_it = [&](int a) { return has_name(a) && name == asked_as(info(static_cast<Aov>(a))); };
     int a = 1;
     while (a < kAovs && !is_it(a)) ++a;
-    if (a == kAovs) refuse("--aov", name, aov_names());
+    if (a == kAovs) refuse_option("--aov", name, aov_names());
     set = set | AovSet{static_cast<Aov>(a)};
   }
   return set;
@@ -65,7 +60,7 @@ AovSet parse_aovs(const std::vector<std::string>& names) {
 // Sample counts double from round to round, so the most is a power of two.
 int most_samples(int asked) {
   if (asked < 1 || asked > kMaxSamples)
-    refuse("--samples", std::to_string(asked), fmt::format("1 to {}", kMaxSamples));
+    refuse_option("--samples", std::to_string(asked), fmt::format("1 to {}", kMaxSamples));
   return std::max(kLeafSamples, static_cast<int>(std::bit_ceil(static_cast<unsigned>(asked))));
 }
 
@@ -77,15 +72,15 @@ double parse_target(const std::string& text) {
   const std::string_view digits = std::string_view(text).substr(text.starts_with("relmse=") ? 7 : 0);
   const auto value = number<double>(digits);
   if (!value || !(*value > 0) || !std::isfinite(*value))
-    refuse("--until", text, "draft, good, final, or relmse=X with X above 0");
+    refuse_option("--until", text, "draft, good, final, or relmse=X with X above 0");
   return *value;
 }
 
 Region crop_region(const std::vector<double>& ndc, Size frame) {
   for (double v : ndc)
-    if (!(v >= 0 && v <= 1)) refuse("--crop", fmt::format("{}", v), "x0 y0 x1 y1, each 0 to 1");
+    if (!(v >= 0 && v <= 1)) refuse_option("--crop", fmt::format("{}", v), "x0 y0 x1 y1, each 0 to 1");
   if (ndc.size() != 4 || !(ndc[0] < ndc[2] && ndc[1] < ndc[3]))
-    refuse("--crop", fmt::format("{}", fmt::join(ndc, " ")), "x0 y0 x1 y1 with x0 < x1 and y0 < y1");
+    refuse_option("--crop", fmt::format("{}", fmt::join(ndc, " ")), "x0 y0 x1 y1 with x0 < x1 and y0 < y1");
   const auto pixel = [](double v, int edge) { return static_cast<int>(std::lround(v * edge)); };
   Region r{pixel(ndc[0], frame.width), pixel(ndc[1], frame.height), pixel(ndc[2], frame.width),
            pixel(ndc[3], frame.height)};
@@ -163,13 +158,7 @@ void describe(CLI::App& app, RenderOptions& o) {
   app.add_option("--device", o.device, "OpenCL device: number or part of its name [first CPU]")
       ->envname("TESSERA_DEVICE");
   app.add_flag("--list-devices", o.list_devices, "List the OpenCL devices and end");
-  app.add_option("--compression", o.compression, "Of the EXR")
-      ->check(CLI::IsMember(exr_compressions()))
-      ->envname("TESSERA_COMPRESSION")
-      ->capture_default_str();
-  app.add_option("--exposure", o.exposure, "Stops, of the PNG preview only")
-      ->check(CLI::Range(-100.0, 100.0))
-      ->capture_default_str();
+  add_picture_options(app, o.compression, o.exposure);
   app.add_option("--progress", o.progress, "How to show it")
       ->check(CLI::IsMember(std::vector<std::string>(kProgress.begin(), kProgress.end())))
       ->envname("TESSERA_PROGRESS")
@@ -205,18 +194,16 @@ Job job_of(const RenderOptions& o) {
   job.render.aovs = AovSet{Aov::color} | parse_aovs(o.aovs);
   if (!o.layers_for.empty()) job.render.aovs = job.render.aovs | aovs_of(parse_filter(o.layers_for).inputs());
   job.frame = o.frame;
-  const auto tile = parse_tile_size(o.tile_size);
-  if (!tile) refuse("--tile-size", o.tile_size, fmt::format("N or WxH, each 1 to {}", kMaxEdge));
-  job.tile = *tile;
+  job.tile = tile_size_option(o.tile_size);
   if (!o.until.empty() || (!o.samples && !o.seconds))
     job.acceptance.relmse = parse_target(o.until.empty() ? "good" : o.until);
   if (o.samples) job.acceptance.max_samples = most_samples(*o.samples);
   job.acceptance.first_samples = std::min(job.acceptance.first_samples, job.acceptance.max_samples);
   if (o.seconds && !(*o.seconds > 0 && std::isfinite(*o.seconds)))
-    refuse("--time", fmt::format("{}", *o.seconds), "seconds above 0");
+    refuse_option("--time", fmt::format("{}", *o.seconds), "seconds above 0");
   job.acceptance.max_seconds = o.seconds;
   if (o.threads && (*o.threads < 1 || *o.threads > kMostThreads))
-    refuse("--threads", std::to_string(*o.threads), fmt::format("1 to {}", kMostThreads));
+    refuse_option("--threads", std::to_string(*o.threads), fmt::format("1 to {}", kMostThreads));
   try {
     if (!o.crop.empty() && o.width > 0 && o.height > 0) job.crop = crop_region(o.crop, job.render.size);
     validate(job);

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/sizes.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 
+#include "cli/picture_options.h"
 #include "core/job.h"
 
 namespace tessera {
@@ -21,6 +24,12 @@ std::optional<Size> parse_tile_size(std::string_view text) {
   }
   const auto fits = [](int edge) { return edge >= 1 && edge <= kMaxEdge; };
   return fits(size.width) && fits(size.height) ? std::optional(size) : std::nullopt;
+}
+
+Size tile_size_option(std::string_view text) {
+  const std::optional<Size> tile = parse_tile_size(text);
+  if (!tile) refuse_option("--tile-size", text, fmt::format("N or WxH, each 1 to {}", kMaxEdge));
+  return *tile;
 }
 
 }  // namespace tessera

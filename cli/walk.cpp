@@ -8,7 +8,6 @@
 #include "cli/sizes.h"
 #include "core/error.h"
 #include "core/filter/history.h"
-#include "core/job.h"
 
 namespace tessera {
 namespace {
@@ -27,10 +26,7 @@ std::uint64_t bytes_of(const FilterPlan& plan, const Region& frame, Size tile) {
 }
 
 Size tile_of(const DenoiseOptions& o, const FilterPlan& plan, const Region& frame) {
-  if (o.tile_size.empty()) return tile_within(plan, frame, o.memory << 20);
-  const std::optional<Size> tile = parse_tile_size(o.tile_size);
-  if (!tile) refuse_option("--tile-size", o.tile_size, fmt::format("N or WxH, each 1 to {}", kMaxEdge));
-  return *tile;
+  return o.tile_size.empty() ? tile_within(plan, frame, o.memory << 20) : tile_size_option(o.tile_size);
 }
 
 // The planes of motion that the filter takes.
@@ -71,7 +67,8 @@ FilteredFrame Walk::next(const NoisyFrame& frame, int number) {
   const Image history = goes_on ? std::move(last_->planes) : Image{};
   failed(number);  // until it is done
   result.image = filtered(device_, frame.plan, frame.gathered.input, result.tile, history);
-  if (frame.plan.history() > 0) last_ = Kept{number, frame.picture.display, planes_of(result.image, 3, frame.plan.history())};
+  if (frame.plan.history() > 0)
+    last_ = Kept{number, frame.picture.display, planes_of(result.image, 3, frame.plan.history())};
   return result;
 }
 

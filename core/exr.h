@@ -34,6 +34,12 @@ struct ExrImage {
 
   // The plane of that channel, or -1.
   int plane(std::string_view channel) const;
+  // The metadata of that name: a std::string, float or int; null if there is none, or one of another kind.
+  template <typename T>
+  const T* about(const std::string& name) const {
+    const auto at = metadata.find(name);
+    return at == metadata.end() ? nullptr : std::get_if<T>(&at->second);
+  }
 };
 
 // Scanlines, top down; the channels in the file are sorted by name, whatever their order here. Values beyond

@@ -42,6 +42,7 @@ bool size_fits(std::string_view name, std::string_view value, std::int64_t most_
 bool exr_header_fits(std::string_view bytes, std::uintmax_t file_bytes, int most_edge) {
   if (bytes.size() < kStart || !bytes.starts_with("\x76\x2f\x31\x01")) return true;
   const bool many = (static_cast<unsigned char>(bytes[5]) & kManyParts) != 0;
+  const bool whole = bytes.size() >= file_bytes;  // then nothing can be beyond
   std::string_view left = bytes.substr(kStart);
   bool first = true;  // attribute of its header
   while (!left.empty()) {
@@ -52,9 +53,8 @@ bool exr_header_fits(std::string_view bytes, std::uintmax_t file_bytes, int most
       continue;
     }
     first = false;
-    const bool all = bytes.size() >= file_bytes;  // then nothing can be beyond
     const auto name = take_text(left);
-    if (!name || !take_text(left) || left.size() < kSize) return !all;
+    if (!name || !take_text(left) || left.size() < kSize) return !whole;
     std::int32_t size = 0;
     std::memcpy(&size, left.data(), kSize);
     left.remove_prefix(kSize);
@@ -65,7 +65,7 @@ bool exr_header_fits(std::string_view bytes, std::uintmax_t file_bytes, int most
       return false;
     left.remove_prefix(static_cast<std::size_t>(size));
   }
-  return bytes.size() < file_bytes;
+  return !whole;
 }
 
 }  // namespace tessera

@@ -166,10 +166,7 @@ class Gatherer {
       return all;
     }
     if (sources_.samples) return Plane(area(), static_cast<float>(*sources_.samples));
-    const auto& metadata = sources_.picture->metadata;
-    const auto at = metadata.find("tessera/samples");
-    if (at == metadata.end()) return std::nullopt;
-    const auto* text = std::get_if<std::string>(&at->second);
+    const auto* text = sources_.picture->about<std::string>("tessera/samples");
     double least = 0, mean = 0;
     if (!text || std::sscanf(text->c_str(), "%lf %lf", &least, &mean) != 2 || !(mean >= 1))
       return std::nullopt;
