@@ -13,12 +13,8 @@
 namespace tessera::farm {
 namespace {
 
-class OneImage : public ::testing::Test {
+class OneImage : public WithDevice {
  protected:
-  void SetUp() override {
-    if (list_devices().empty()) GTEST_SKIP() << "no OpenCL device on this machine";
-  }
-
   static const std::shared_ptr<const Scene>& scene() {
     static const auto scene = small_scene();
     return scene;
@@ -39,15 +35,7 @@ class OneImage : public ::testing::Test {
   }
 
   static JobReport over_zmq(const Job& job, int workers, const std::string& endpoint = "inproc://farm") {
-    ZmqContext context;
-    ZmqRouter router(context, {endpoint});
-    Coordinator coordinator(router, {});
-    std::vector<std::unique_ptr<Hand>> hands;
-    for (int i = 0; i < workers; ++i)
-      hands.push_back(std::make_unique<Hand>(
-          std::make_unique<ZmqDealer>(context, router.endpoints().front(), "worker-" + std::to_string(i)),
-          runner()));
-    return coordinator.run(job);
+    return farm::over_zmq(runner(), workers, endpoint, [&](Coordinator& c) { return c.run(job); });
   }
 
   static void expect_the_image(const JobReport& report, const std::string& how) {
@@ -106,13 +94,9 @@ TEST_F(OneImage, OfACropIsThatPartOfItsOwnFrame) {
 
 TEST_F(OneImage, IsTheSameThroughDozensOfStorms) {
   for (std::uint64_t seed = 1; seed <= 24; ++seed) {
-    MemoryRoad road({.seed = seed, .loss = 0.05, .repeat = 0.05, .delay_max = std::chrono::milliseconds(4)});
-    const auto end = road.join("coordinator");
-    Coordinator coordinator(*end, impatient());
-    std::vector<std::unique_ptr<Hand>> hands;
-    for (int i = 0; i < 3; ++i)
-      hands.push_back(std::make_unique<Hand>(road.join("worker-" + std::to_string(i)), runner()));
-    expect_the_image(coordinator.run(small_job(*scene())), "storm " + std::to_string(seed));
+    const Job job = small_job(*scene());
+    expect_the_image(through_storm(runner(), seed, [&](Coordinator& c) { return c.run(job); }),
+                     "storm " + std::to_string(seed));
   }
 }
 

@@ -28,11 +28,8 @@ std::shared_ptr<const Scene> moving_scene() {
 
 using Frames = std::vector<JobReport>;
 
-class OneShot : public ::testing::TestWithParam<const char*> {
+class OneShot : public WithDevice, public ::testing::WithParamInterface<const char*> {
  protected:
-  void SetUp() override {
-    if (list_devices().empty()) GTEST_SKIP() << "no OpenCL device on this machine";
-  }
   static const std::shared_ptr<const Scene>& scene() {
     static const auto scene = moving_scene();
     return scene;
@@ -58,14 +55,7 @@ class OneShot : public ::testing::TestWithParam<const char*> {
     return frames;
   }
   static Frames over_zmq(const Shot& shot, int workers) {
-    ZmqContext context;
-    ZmqRouter router(context, {"inproc://farm"});
-    Coordinator coordinator(router, {});
-    std::vector<std::unique_ptr<Hand>> hands;
-    for (int i = 0; i < workers; ++i)
-      hands.push_back(std::make_unique<Hand>(
-          std::make_unique<ZmqDealer>(context, "inproc://farm", "worker-" + std::to_string(i)), runner()));
-    return run(coordinator, shot);
+    return farm::over_zmq(runner(), workers, "inproc://farm", [&](Coordinator& c) { return run(c, shot); });
   }
   // One worker, one frame after the other, in one tile each.
   static const Frames& expected() {
@@ -111,13 +101,8 @@ TEST_P(OneShot, IsTheSameForEveryTile) {
 
 TEST_P(OneShot, IsTheSameThroughStorms) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    MemoryRoad road({.seed = seed, .loss = 0.05, .repeat = 0.05, .delay_max = std::chrono::milliseconds(4)});
-    const auto end = road.join("coordinator");
-    Coordinator coordinator(*end, impatient());
-    std::vector<std::unique_ptr<Hand>> hands;
-    for (int i = 0; i < 3; ++i)
-      hands.push_back(std::make_unique<Hand>(road.join("worker-" + std::to_string(i)), runner()));
-    expect_the_frames(run(coordinator, shot()), "storm " + std::to_string(seed));
+    expect_the_frames(through_storm(runner(), seed, [](Coordinator& c) { return run(c, shot()); }),
+                      "storm " + std::to_string(seed));
   }
 }
 
@@ -154,7 +139,8 @@ TEST_P(OneShot, AfterACutNothingOfTheFrameBeforeIsSeen) {
       << "the frame behind it does go by it";
 }
 
-INSTANTIATE_TEST_SUITE_P(Filters, OneShot, ::testing::Values("svgf:levels=2,history=on", "atrous:levels=2,history=on"));
+INSTANTIATE_TEST_SUITE_P(Filters, OneShot,
+                         ::testing::Values("svgf:levels=2,history=on", "atrous:levels=2,history=on"));
 
 // Renders nothing of some frames.
 class FailingRunner : public TaskRunner {

@@ -3,6 +3,8 @@
 // cut.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <atomic>
 #include <functional>
 #include <memory>
@@ -74,6 +76,40 @@ inline CoordinatorOptions impatient() {
   options.scheduler.max_attempts = 1000;
   options.heartbeat = Millis{50};
   return options;
+}
+
+// Tests that filter.
+class WithDevice : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (list_devices().empty()) GTEST_SKIP() << "no OpenCL device on this machine";
+  }
+};
+
+// What `work` makes of a coordinator with so many workers of one slot, over ZeroMQ.
+template <typename Work>
+auto over_zmq(TaskRunner& runner, int workers, const std::string& endpoint, Work work) {
+  ZmqContext context;
+  ZmqRouter router(context, {endpoint});
+  Coordinator coordinator(router, {});
+  std::vector<std::unique_ptr<Hand>> hands;
+  for (int i = 0; i < workers; ++i)
+    hands.push_back(std::make_unique<Hand>(
+        std::make_unique<ZmqDealer>(context, router.endpoints().front(), "worker-" + std::to_string(i)),
+        runner));
+  return work(coordinator);
+}
+
+// The same with three impatient ones, over a road that loses, repeats and delays.
+template <typename Work>
+auto through_storm(TaskRunner& runner, std::uint64_t seed, Work work) {
+  MemoryRoad road({.seed = seed, .loss = 0.05, .repeat = 0.05, .delay_max = std::chrono::milliseconds(4)});
+  const auto end = road.join("coordinator");
+  Coordinator coordinator(*end, impatient());
+  std::vector<std::unique_ptr<Hand>> hands;
+  for (int i = 0; i < 3; ++i)
+    hands.push_back(std::make_unique<Hand>(road.join("worker-" + std::to_string(i)), runner));
+  return work(coordinator);
 }
 
 }  // namespace tessera::farm
