@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/plan.h"
 #include "core/sample_range.h"
+#include "core/sha256.h"
 
 namespace tessera {
 namespace {
@@ -72,6 +73,8 @@ void validate(const Job& job) {
           fmt::format("{} bytes", kMaxName));
   require(job.render.variant.size() <= kMaxName, "variant", "a name too long",
           fmt::format("{} bytes", kMaxName));
+  require(job.scene.bundle.empty() || is_digest(job.scene.bundle), "scene.bundle", "no digest",
+          "64 hexadecimal digits, or none");
   validate(job.filter);
   validate(job.acceptance);
   validate_tile(job);

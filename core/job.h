@@ -19,8 +19,9 @@ inline constexpr std::size_t kMaxPixelBytes = std::size_t{1} << 30;  // that tra
 
 // Which scene: where a worker may load it, and what it must then be.
 struct SceneRef {
-  std::string path;  // of the scene file
-  std::string hash;  // content hash of the loaded scene (hex), see scene/hash.h
+  std::string path;    // of the scene file; in the bundle, if there is one
+  std::string hash;    // content hash of the loaded scene (hex), see scene/load.h
+  std::string bundle;  // digest of the bundle it travels in (core/bundle.h); empty: it is on this machine
   bool operator==(const SceneRef&) const = default;
 };
 

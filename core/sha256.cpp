@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
+#include <algorithm>
+
 #include <stdexcept>
 
 namespace tessera {
@@ -35,6 +37,11 @@ std::string sha256(std::string_view bytes) {
   Sha256 hash;
   hash.add(bytes.data(), bytes.size());
   return hash.hex();
+}
+
+bool is_digest(std::string_view text) {
+  const auto digit = [](char c) { return ('0' <= c && c <= '9') || ('a' <= c && c <= 'f'); };
+  return text.size() == 64 && std::ranges::all_of(text, digit);
 }
 
 }  // namespace tessera

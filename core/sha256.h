@@ -24,4 +24,8 @@ class Sha256 {
 
 std::string sha256(std::string_view bytes);
 
+// What a thing is known by: the SHA-256 of its bytes, as hex() writes it.
+using Digest = std::string;
+bool is_digest(std::string_view text);
+
 }  // namespace tessera

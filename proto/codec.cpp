@@ -25,6 +25,7 @@ struct Encoder {
     w.set_version(std::move(m.version));
     w.set_device_class(std::move(m.device_class));
     w.set_slots(m.slots);
+    w.set_name(std::move(m.name));
   }
   void operator()(Heartbeat& m) {
     wire::Heartbeat& w = *out.mutable_heartbeat();
@@ -87,6 +88,8 @@ struct Encoder {
   }
   void operator()(JobOver& m) { out.mutable_job_over()->set_id(m.id); }
   void operator()(Unknown&) { out.mutable_unknown(); }
+  void operator()(Ask&) { throw ProtocolError("kind", "does not travel yet"); }
+  void operator()(Answer&) { throw ProtocolError("kind", "does not travel yet"); }
 };
 
 void require_no_pixels(Parts parts) { require(parts.size() == 1, "pixels", "a part too many"); }
@@ -100,7 +103,8 @@ Message hello(const wire::Hello& w) {
   return Hello{.protocol = w.protocol(),
                .version = text_from(w.version(), kMaxName, "version"),
                .device_class = text_from(w.device_class(), kMaxName, "device_class"),
-               .slots = whole_from(w.slots(), 1, kMaxSlots, "slots")};
+               .slots = whole_from(w.slots(), 1, kMaxSlots, "slots"),
+               .name = text_from(w.name(), kMaxName, "name")};
 }
 
 Message heartbeat(const wire::Heartbeat& w) {

@@ -10,13 +10,14 @@
 #include "core/instant.h"
 #include "core/job.h"
 #include "core/task.h"
+#include "proto/questions.h"
 
 namespace tessera {
 
 using WorkerId = std::string;  // chosen by the worker, new each time it starts; 1..64 printable characters
 using Attempt = std::uint32_t;
 
-inline constexpr int kProtocolVersion = 3;
+inline constexpr int kProtocolVersion = 4;
 
 // Worker to coordinator.
 struct Hello {
@@ -24,6 +25,7 @@ struct Hello {
   std::string version;       // of tessera
   std::string device_class;  // unit within which bits are promised equal
   int slots = 1;             // tasks it works on at a time
+  std::string name;          // for people: its machine, or what it was told to call itself
 };
 // One copy of a task that a worker has in hand, whether it is at it or keeps it for later.
 struct Held {
@@ -87,6 +89,6 @@ struct JobOver {  // forget it; its scene may stay cached
 struct Unknown {};  // I do not know you (any more): say Hello again
 
 using Message = std::variant<Hello, Heartbeat, RenderDone, FilterDone, TaskFailed, Goodbye, Welcome, Refused,
-                             JobOffer, Assign, Revoke, JobOver, Unknown, NeedJob>;
+                             JobOffer, Assign, Revoke, JobOver, Unknown, NeedJob, Ask, Answer>;
 
 }  // namespace tessera

@@ -13,9 +13,17 @@ namespace tessera {
 
 using Peer = std::string;  // a worker's id; the coordinator is "coordinator"
 
+// What a peer may do, by the key it came with. On roads that are of this machine alone everybody may do all.
+struct Identity {
+  std::string name = "local";  // of the key, for logs and as the owner of what it submits
+  bool worker = true, submitter = true, administrator = true;
+  bool operator==(const Identity&) const = default;
+};
+
 struct Mail {
   Peer from;
   Message message;
+  Identity who = {};
 };
 
 class Transport {

@@ -102,6 +102,7 @@ void to_wire(const FilterTask& t, wire::FilterTask& w) {
 void to_wire(const Job& job, wire::Job& w) {
   w.mutable_scene()->set_path(job.scene.path);
   w.mutable_scene()->set_hash(job.scene.hash);
+  w.mutable_scene()->set_bundle(job.scene.bundle);
   to_wire(job.render, *w.mutable_render());
   w.set_frame(job.frame);
   if (job.crop) to_wire(*job.crop, *w.mutable_crop());
@@ -164,7 +165,8 @@ FilterTask task_from(const wire::FilterTask& w) {
 
 Job job_from(const wire::Job& w) {
   Job job{
-      .scene = {text_from(w.scene().path(), kMaxText, "path"), text_from(w.scene().hash(), kMaxName, "hash")},
+      .scene = {text_from(w.scene().path(), kMaxText, "path"), text_from(w.scene().hash(), kMaxName, "hash"),
+                text_from(w.scene().bundle(), kMaxName, "bundle")},
       .render = render_from(w.render()),
       .frame = w.frame(),
       .crop = {},

@@ -125,7 +125,7 @@ void Agent::greet() {
 }
 
 void Agent::hello() {
-  send(Hello{kProtocolVersion, options_.version, options_.device_class, options_.slots});
+  send(Hello{kProtocolVersion, options_.version, options_.device_class, options_.slots, options_.name});
   next_hello_ = now_ + backoff_;
   backoff_ = std::min(2 * backoff_, options_.hello_last);
 }

@@ -26,6 +26,7 @@ struct AgentOptions {
   Millis hello_first{100}, hello_last{8'000};  // between Hellos: doubles from the first to the last
   Millis silence{10'000};         // without a word from the coordinator: is it still there, does it know us?
   std::optional<Millis> give_up;  // without a word for so long: stop; none: never
+  std::string name;               // see Hello
 };
 
 // The fruit of a task; task and attempt are filled in by the agent.

@@ -31,6 +31,7 @@ struct SceneFacts {
   double diameter = 0;  // of everything in it, world units
   double light = 0;     // mean luminance of what emits
   int frame = 0;        // number of the frame
+  bool operator==(const SceneFacts&) const = default;
 };
 enum class SceneFact : std::uint8_t { none, diameter, light, frame };
 

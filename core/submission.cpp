@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/submission.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+
+#include "core/error.h"
+#include "core/exr.h"
+#include "core/sequence.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::size_t kMaxAfter = 64, kMaxNames = 1 << 20;
+constexpr double kMaxStops = 64;
+
+void require(bool good, std::string_view field, std::string_view accepted) {
+  if (!good) throw InputError(fmt::format("job: {}", field), "cannot be so", accepted);
+}
+
+void require_names(const std::vector<std::string>& names, std::string_view field) {
+  require(names.size() <= kMaxNames &&
+              std::ranges::all_of(names, [](const auto& n) { return n.size() <= kMaxName; }),
+          field, "at most 1048576 names of 256 bytes");
+}
+
+void require_limits(const JobLimits& limits) {
+  require(!limits.seconds || (std::isfinite(*limits.seconds) && *limits.seconds > 0), "limits.seconds",
+          "above 0");
+  require(!limits.pixel_samples || *limits.pixel_samples > 0, "limits.pixel_samples", "above 0");
+  require(!limits.bytes || *limits.bytes > 0, "limits.bytes", "above 0");
+}
+
+}  // namespace
+
+bool is_job_name(std::string_view name) {
+  const auto fits = [](char c) {
+    return ('0' <= c && c <= '9') || ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z') || c == '-' ||
+           c == '_' || c == '.';
+  };
+  return !name.empty() && name.size() <= 64 && name.front() != '.' && std::ranges::all_of(name, fits);
+}
+
+void validate(const Submission& s) {
+  require(!s.name.empty() && s.name.size() <= kMaxName, "name", "1 to 256 bytes");
+  require(0 <= s.priority && s.priority <= kHighestPriority, "priority", "0 to 100");
+  require(s.after.size() <= kMaxAfter && std::ranges::all_of(s.after, is_job_name), "after",
+          "at most 64 jobs");
+  require_limits(s.limits);
+  require(!s.frames.empty() && s.frames.size() <= kMaxFrames, "frames", "1 to 1000000");
+  require(std::unordered_set<int>(s.frames.begin(), s.frames.end()).size() == s.frames.size(), "frames",
+          "each once");
+  require(std::isfinite(s.facts.diameter) && s.facts.diameter >= 0, "facts.diameter", "0 or more");
+  require(std::isfinite(s.facts.light) && s.facts.light >= 0, "facts.light", "0 or more");
+  require_names(s.names.light_groups, "names.light_groups");
+  require_names(s.names.objects, "names.objects");
+  require_names(s.names.materials, "names.materials");
+  require(std::ranges::find(exr_compressions(), s.compression) != exr_compressions().end(), "compression",
+          fmt::format("{}", fmt::join(exr_compressions(), " ")));
+  require(std::isfinite(s.exposure) && std::abs(s.exposure) <= kMaxStops, "exposure", "-64 to 64");
+  validate(s.job);
+}
+
+std::vector<Job> jobs_of(const Submission& s) {
+  std::vector<Job> jobs;
+  jobs.reserve(s.frames.size());
+  SceneFacts facts = s.facts;
+  for (const int frame : s.frames) {
+    Job& job = jobs.emplace_back(s.job);
+    job.frame = facts.frame = frame;
+    job.filter = resolved(s.job.filter, facts);
+  }
+  return jobs;
+}
+
+}  // namespace tessera

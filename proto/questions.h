@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+// What people's commands (submit, jobs, watch, fetch, cancel, ...) and workers that need files ask of a
+// coordinator, and what it answers, as values. A question that is not answered is asked again under the same
+// number: asking twice does what asking once does.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/acceptance.h"
+#include "core/error.h"
+#include "core/sha256.h"
+#include "core/submission.h"
+
+namespace tessera {
+
+inline constexpr std::size_t kPieceBytes = std::size_t{1} << 17;  // of a blob, in one message
+inline constexpr std::uint64_t kMaxBlobBytes = std::uint64_t{1} << 40;
+inline constexpr std::size_t kMaxListed =
+    256;  // jobs, frames, events, workers in one answer; ask on for more
+
+// --- Questions. ---
+
+// Which of these blobs are not there, or not whole.
+struct WhichLack {
+  std::vector<Digest> blobs;  // at most kMaxListed
+};
+// `bytes` of the blob from `offset`. Pieces come in order; what was taken stays taken when the connection
+// goes.
+struct PutPiece {
+  Digest blob;
+  std::uint64_t size = 0, offset = 0;  // of the whole blob; of this piece
+  std::string bytes;                   // at most kPieceBytes
+};
+struct GetPiece {
+  Digest blob;
+  std::uint64_t offset = 0;
+};
+// The job described by the blob `submission` (core/submission.h), which is there, and so is all it refers to.
+struct Submit {
+  JobName job;  // chosen by who submits
+  Digest submission;
+};
+struct ListJobs {
+  std::uint64_t after = 0;  // JobSummary::number
+};
+struct ShowJob {
+  JobName job;
+  std::uint32_t from = 0;  // place of the first frame listed
+};
+struct ListEvents {
+  JobName job;
+  std::uint64_t after = 0;  // JobEvent::number
+};
+enum class Verb : std::uint8_t { cancel, pause, resume, set_priority, verify };
+struct Control {
+  JobName job;
+  Verb verb = Verb::cancel;
+  int value = 0;  // set_priority: 0..100; verify: how many tasks are done again
+};
+struct ListWorkers {
+  std::string after;  // WorkerSummary::id
+};
+struct ReleaseWorker {  // give one that was set aside another chance
+  std::string worker;
+};
+using Question = std::variant<WhichLack, PutPiece, GetPiece, Submit, ListJobs, ShowJob, ListEvents, Control,
+                              ListWorkers, ReleaseWorker>;
+
+// --- Answers. ---
+
+struct Agreed {};  // it is so (now)
+struct Lacking {
+  struct Blob {
+    Digest blob;
+    std::uint64_t have = 0;  // bytes of it that are there already
+    bool operator==(const Blob&) const = default;
+  };
+  std::vector<Blob> blobs;
+};
+struct Piece {
+  Digest blob;
+  std::uint64_t size = 0, offset = 0;
+  std::string bytes;
+};
+
+enum class JobState : std::uint8_t { queued, active, paused, completed, failed, cancelled };
+enum class FrameState : std::uint8_t { waiting, active, completed, failed };
+
+struct JobSummary {
+  std::uint64_t number = 0;  // in order of submission, from 1
+  JobName job;
+  std::string name, owner;  // owner: of the key it was submitted with
+  JobState state = JobState::queued;
+  std::string reason;  // why it failed, waits or was cancelled
+  int priority = 50;
+  std::uint32_t frames = 0, frames_done = 0, frames_failed = 0;
+  std::int64_t submitted = 0;          // Unix time, ms
+  double fraction = 0, seconds = 0;    // 0..1; since it began
+  std::optional<double> seconds_left;  // expected
+  std::uint64_t pixel_samples = 0, failed_tasks = 0;
+};
+struct FrameSummary {
+  int frame = 0;  // its number
+  FrameState state = FrameState::waiting;
+  std::string reason;
+  int round = 0;
+  int tiles_done = 0, tiles = 0;  // of this round
+  double fraction = 0, acceptable_share = 0, seconds = 0;
+  std::optional<double> error, target;  // relMSE
+  std::vector<float> errors;            // at each look so far
+  int columns = 0;                      // of cells
+  std::vector<CellStatus> cells;        // row-major; only of active frames
+  Digest image, preview;                // EXR and PNG; empty: not there (yet)
+};
+struct JobDetail {
+  JobSummary summary;
+  std::uint32_t from = 0;
+  std::vector<FrameSummary> frames;
+};
+struct JobList {
+  std::vector<JobSummary> jobs;
+};
+struct JobEvent {
+  std::uint64_t number = 0;  // in the job, from 1
+  std::int64_t when = 0;     // Unix time, ms
+  std::string text;
+};
+struct EventList {
+  std::vector<JobEvent> events;
+};
+struct WorkerSummary {
+  std::string id, name, device_class;
+  int slots = 0, held = 0;
+  double tasks_per_second = 0;
+  std::uint64_t done = 0, failed = 0;
+  std::string set_aside;  // why; empty: it works
+};
+struct WorkerList {
+  std::vector<WorkerSummary> workers;
+};
+struct Denied {
+  ExitCode code = ExitCode::bad_usage;
+  std::string reason;
+};
+using Reply = std::variant<Agreed, Lacking, Piece, JobList, JobDetail, EventList, WorkerList, Denied>;
+
+// As they travel.
+struct Ask {
+  std::uint64_t number = 0;  // of the asker's
+  Question question;
+};
+struct Answer {
+  std::uint64_t number = 0;  // of the question
+  Reply reply;
+};
+
+}  // namespace tessera
