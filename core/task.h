@@ -30,10 +30,12 @@ struct FilterTask {
   bool operator==(const FilterTask&) const = default;
 };
 
+using Work = std::variant<RenderTask, FilterTask>;
+
 struct Task {
   TaskId id = 0;
   JobId job = 0;
-  std::variant<RenderTask, FilterTask> work;
+  Work work;
   bool operator==(const Task&) const = default;
 };
 
