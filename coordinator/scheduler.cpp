@@ -70,7 +70,7 @@ void Scheduler::on(const Left& e) {
 }
 
 void Scheduler::on(const Submitted& e) {
-  for (const Wish& wish : e.tasks) ledger_.add(wish.task, wish.job, e.rank);
+  for (const Wish& wish : e.tasks) ledger_.add(wish.task, wish.job, e.standing.rank);
 }
 
 void Scheduler::on(const WithdrawnTasks& e) {

@@ -9,13 +9,11 @@
 
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "coordinator/ledger.h"
+#include "coordinator/scheduling.h"
 #include "core/instant.h"
-#include "core/task.h"
-#include "proto/message.h"
 
 namespace tessera {
 
@@ -26,83 +24,6 @@ struct SchedulerOptions {
   int ahead = 1;           // tasks per slot that a worker holds beyond those at work, so that it never waits
   bool endgame = true;     // a slot with nothing else to do works on a second copy of somebody's task
 };
-
-// News. Anything a worker says is one of these, so that every word of it renews its leases.
-struct Joined {
-  WorkerId worker;
-  int slots = 1;
-};
-struct Heard {
-  WorkerId worker;
-  std::optional<std::vector<Held>> held = {};  // of a heartbeat: all that it has in hand
-};
-struct Done {
-  WorkerId worker;
-  TaskId task = 0;
-  Attempt attempt = 0;
-};
-struct Failed {
-  WorkerId worker;
-  TaskId task = 0;
-  Attempt attempt = 0;
-  std::string reason;
-  bool bad_input = false;  // a retry is useless
-};
-struct Left {
-  WorkerId worker;
-};
-struct Wish {
-  TaskId task = 0;
-  JobId job = 0;
-};
-struct Submitted {
-  std::vector<Wish> tasks;  // in the order in which they are wanted, after all of their rank that came before
-  std::uint32_t rank = 0;   // below 2^24; the lower, the sooner
-};
-struct WithdrawnTasks {
-  std::vector<TaskId> tasks;
-};
-struct WithdrawnJob {
-  JobId job = 0;
-};
-// Only this ends leases. To be sent when no mail waits to be read: what a worker said, but nobody has read
-// yet, is no silence.
-struct TimePassed {};
-using Event =
-    std::variant<Joined, Heard, Done, Failed, Left, Submitted, WithdrawnTasks, WithdrawnJob, TimePassed>;
-
-// Decisions.
-struct AssignTask {
-  WorkerId worker;
-  TaskId task = 0;
-  Attempt attempt = 0;
-  bool operator==(const AssignTask&) const = default;
-};
-struct RevokeTask {
-  WorkerId worker;
-  TaskId task = 0;
-  Attempt attempt = 0;
-  bool operator==(const RevokeTask&) const = default;
-};
-struct Accept {  // the result that has just come is the task's result; once a task
-  TaskId task = 0;
-  bool operator==(const Accept&) const = default;
-};
-struct GiveUp {
-  TaskId task = 0;
-  std::string reason;
-  bool bad_input = false;
-  bool operator==(const GiveUp&) const = default;
-};
-struct Forget {  // the worker fell silent
-  WorkerId worker;
-  bool operator==(const Forget&) const = default;
-};
-struct AskHello {  // a stranger spoke
-  WorkerId worker;
-  bool operator==(const AskHello&) const = default;
-};
-using Command = std::variant<AssignTask, RevokeTask, Accept, GiveUp, Forget, AskHello>;
 
 class Scheduler {
  public:
@@ -123,6 +44,11 @@ class Scheduler {
   void on(const Failed&);
   void on(const Left&);
   void on(const Submitted&);
+  // Not yet: tasks go by their ranks alone.
+  void on(const Reranked&) {}
+  void on(const PausedJob&) {}
+  void on(const ResumedJob&) {}
+  void on(const Released&) {}
   void on(const WithdrawnTasks&);
   void on(const WithdrawnJob&);
   void on(const TimePassed&);
