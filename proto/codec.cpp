@@ -5,6 +5,8 @@
 #include <array>
 #include <bit>
 
+#include "proto/wire_answers.h"
+#include "proto/wire_questions.h"
 #include "proto/wire_values.h"
 
 namespace tessera {
@@ -88,8 +90,8 @@ struct Encoder {
   }
   void operator()(JobOver& m) { out.mutable_job_over()->set_id(m.id); }
   void operator()(Unknown&) { out.mutable_unknown(); }
-  void operator()(Ask&) { throw ProtocolError("kind", "does not travel yet"); }
-  void operator()(Answer&) { throw ProtocolError("kind", "does not travel yet"); }
+  void operator()(Ask& m) { to_wire(std::move(m), *out.mutable_ask()); }
+  void operator()(Answer& m) { to_wire(std::move(m), *out.mutable_answer()); }
 };
 
 void require_no_pixels(Parts parts) { require(parts.size() == 1, "pixels", "a part too many"); }
@@ -168,7 +170,7 @@ Message assign(const wire::Assign& w, Parts parts) {
   return m;
 }
 
-Message without_pixels(const wire::Envelope& e) {
+Message without_pixels(wire::Envelope& e) {
   switch (e.kind_case()) {
     case wire::Envelope::kHello:
       return hello(e.hello());
@@ -192,6 +194,10 @@ Message without_pixels(const wire::Envelope& e) {
       return JobOver{e.job_over().id()};
     case wire::Envelope::kUnknown:
       return Unknown{};
+    case wire::Envelope::kAsk:
+      return ask_from(*e.mutable_ask());
+    case wire::Envelope::kAnswer:
+      return answer_from(*e.mutable_answer());
     default:
       throw ProtocolError("kind", "no such message");
   }

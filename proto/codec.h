@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Messages to bytes and back. Bytes are untrusted: every size, count and number is checked before anything is
-// allocated for it. With wire_values, which belongs to it, the only files that see Protobuf.
+// allocated for it. With wire_values, wire_questions and wire_answers, which belong to it, and
+// submission_codec the only files that see Protobuf.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +23,7 @@ struct Packet {
 };
 
 // What a receiver accepts.
-inline constexpr std::size_t kMaxHeaderBytes = 1 << 18;
+inline constexpr std::size_t kMaxHeaderBytes = 1 << 20;
 inline constexpr int kMaxParts = 2;
 inline constexpr int kMaxPlanes = 1024;  // a film of every AOV has 576
 inline constexpr int kMaxSlots = 4096;
@@ -36,8 +37,8 @@ class ProtocolError : public Error {
       : Error(ExitCode::bad_input, "message: " + std::string(field) + ": " + std::string(what)) {}
 };
 
-// Pixels are moved, not copied. Reasons longer than kMaxText are cut. Precondition: the message is one that
-// decode() accepts.
+// Pixels and pieces are moved, not copied. Reasons that are too long are cut. Precondition: the message is
+// one that decode() accepts.
 Packet encode(Message message);
 
 // The bytes of a packet's second part.

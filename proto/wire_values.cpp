@@ -164,16 +164,16 @@ FilterTask task_from(const wire::FilterTask& w) {
 }
 
 Job job_from(const wire::Job& w) {
-  Job job{
-      .scene = {text_from(w.scene().path(), kMaxText, "path"), text_from(w.scene().hash(), kMaxName, "hash"),
-                text_from(w.scene().bundle(), kMaxName, "bundle")},
-      .render = render_from(w.render()),
-      .frame = w.frame(),
-      .crop = {},
-      .filter = filter_from(w.filter()),
-      .acceptance = acceptance_from(w.acceptance()),
-      .tile = size_from(w.tile()),
-      .task_samples = w.task_samples()};
+  require(w.scene().bundle().empty() || is_digest(w.scene().bundle()), "bundle", "is no digest");
+  Job job{.scene = {text_from(w.scene().path(), kMaxText, "path"),
+                    text_from(w.scene().hash(), kMaxName, "hash"), w.scene().bundle()},
+          .render = render_from(w.render()),
+          .frame = w.frame(),
+          .crop = {},
+          .filter = filter_from(w.filter()),
+          .acceptance = acceptance_from(w.acceptance()),
+          .tile = size_from(w.tile()),
+          .task_samples = w.task_samples()};
   if (w.has_crop()) job.crop = region_from(w.crop(), "crop");
   try {
     validate(job);

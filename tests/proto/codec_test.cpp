@@ -210,6 +210,7 @@ TEST(Codec, AJobThatIsNoneIsRefused) {
   EXPECT_THAT(refused([](Job& j) { j.task_samples = 0; }), HasSubstr("task_samples"));
   EXPECT_THAT(refused([](Job& j) { j.filter.name = "no such"; }), HasSubstr("filter"));
   EXPECT_THAT(refused([&](Job& j) { j.filter.parameters["x"] = nan; }), HasSubstr("filter"));
+  EXPECT_THAT(refused([](Job& j) { j.scene.bundle = "../bundle"; }), HasSubstr("bundle"));
   EXPECT_THAT(refused([](Job& j) { j.scene.path = std::string(5000, 'x'); }), HasSubstr("path"));
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "proto/message.h"
+#include "tests/proto/question_samples.h"
 
 namespace tessera {
 
@@ -18,7 +19,7 @@ inline Image counting_image(const Region& region, int planes) {
 
 inline Job sample_job() {
   Job job;
-  job.scene = {"/scenes/caf\xc3\xa9\xff.json", "0123456789abcdef"};
+  job.scene = {"/scenes/caf\xc3\xa9\xff.json", "0123456789abcdef", sha256("bundle")};
   job.render.size = {640, 360};
   job.render.seed = 0xfedcba9876543210u;
   job.render.max_bounces = 5;
@@ -35,7 +36,7 @@ inline Job sample_job() {
 inline std::vector<Message> sample_messages() {
   const Region region{64, 128, 67, 133}, outer{60, 120, 72, 140};
   std::vector<Message> all;
-  all.push_back(Hello{1, "0.1.0", "avx512 pocl-3.1", 12});
+  all.push_back(Hello{1, "0.1.0", "avx512 pocl-3.1", 12, "host"});
   all.push_back(Heartbeat{{{7, 1}, {1ull << 60, 4'000'000'000u}}});
   all.push_back(RenderDone{7, 3, {{16, 32}, counting_image(region, 5)}, 1.5, 9});
   all.push_back(FilterDone{8, 2, counting_image(region, kFilteredPlanes), 0.25});
@@ -52,6 +53,9 @@ inline std::vector<Message> sample_messages() {
   all.push_back(Revoke{5, 2});
   all.push_back(JobOver{77});
   all.push_back(Unknown{});
+  std::uint64_t number = 100;
+  for (const Question& q : sample_questions()) all.push_back(Ask{++number, q});
+  for (const Reply& r : sample_replies()) all.push_back(Answer{++number, r});
   return all;
 }
 

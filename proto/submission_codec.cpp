@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "proto/submission_codec.h"
+
+#include <fmt/format.h>
+
+#include "core/sequence.h"
+#include "proto/codec.h"
+#include "proto/submission.pb.h"
+#include "proto/wire_values.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::size_t kMaxHeadBytes = 1 << 16;
+constexpr int kMaxNames = 1 << 20;
+
+void to_wire(const std::vector<std::string>& names, wire::Names& w) {
+  for (const std::string& name : names) {
+    w.add_lengths(static_cast<std::uint32_t>(name.size()));
+    *w.mutable_text() += name;
+  }
+}
+
+void to_wire(const JobLimits& limits, wire::JobLimits& w) {
+  if (limits.seconds) w.set_seconds(*limits.seconds);
+  if (limits.pixel_samples) w.set_pixel_samples(*limits.pixel_samples);
+  if (limits.bytes) w.set_bytes(*limits.bytes);
+}
+
+wire::SubmissionHead head_of(const Submission& s) {
+  wire::SubmissionHead head;
+  head.set_name(s.name);
+  head.set_priority(s.priority);
+  for (const JobName& job : s.after) head.add_after(job);
+  to_wire(s.limits, *head.mutable_limits());
+  to_wire(s.job, *head.mutable_job());
+  head.mutable_facts()->set_diameter(s.facts.diameter);
+  head.mutable_facts()->set_light(s.facts.light);
+  head.mutable_facts()->set_frame(s.facts.frame);
+  head.set_transparent(s.transparent);
+  head.set_compression(s.compression);
+  head.set_exposure(s.exposure);
+  return head;
+}
+
+std::vector<std::string> names_from(const wire::Names& w, std::string_view field) {
+  require(w.lengths_size() <= kMaxNames, field, "too many entries");
+  std::uint64_t bytes = 0;
+  for (const std::uint32_t length : w.lengths()) {
+    require(length <= kMaxName, field, "a name is too long");
+    bytes += length;
+  }
+  require(bytes == w.text().size(), field, "the lengths are not those of the names");
+  std::vector<std::string> names;
+  names.reserve(w.lengths_size());
+  std::size_t at = 0;
+  for (const std::uint32_t length : w.lengths()) {
+    names.push_back(w.text().substr(at, length));
+    at += length;
+  }
+  return names;
+}
+
+JobLimits limits_from(const wire::JobLimits& w) {
+  JobLimits limits;
+  if (w.has_seconds()) limits.seconds = w.seconds();
+  if (w.has_pixel_samples()) limits.pixel_samples = w.pixel_samples();
+  if (w.has_bytes()) limits.bytes = w.bytes();
+  return limits;
+}
+
+void read_head(const std::string& bytes, Submission& s) {
+  require(bytes.size() <= kMaxHeadBytes, "head", "too long");
+  wire::SubmissionHead w;
+  require(w.ParseFromString(bytes), "head", "is not that of a submission");
+  s.name = text_from(w.name(), kMaxName, "name");
+  s.priority = w.priority();
+  s.after = {w.after().begin(), w.after().end()};
+  s.limits = limits_from(w.limits());
+  s.job = job_from(w.job());
+  s.facts = {w.facts().diameter(), w.facts().light(), w.facts().frame()};
+  s.transparent = w.transparent();
+  s.compression = text_from(w.compression(), kMaxName, "compression");
+  s.exposure = w.exposure();
+}
+
+}  // namespace
+
+std::string encode(const Submission& s) {
+  wire::Submission w;
+  head_of(s).SerializeToString(w.mutable_head());
+  w.mutable_frames()->Add(s.frames.begin(), s.frames.end());
+  to_wire(s.names.light_groups, *w.mutable_light_groups());
+  to_wire(s.names.objects, *w.mutable_objects());
+  to_wire(s.names.materials, *w.mutable_materials());
+  std::string bytes;
+  w.SerializeToString(&bytes);
+  if (bytes.size() > kMaxSubmissionBytes)
+    throw Error(ExitCode::bad_usage,
+                fmt::format("the names of the scene's objects and materials take {} MiB; "
+                            "accepted: at most {} MiB for all of a job",
+                            bytes.size() >> 20, kMaxSubmissionBytes >> 20));
+  return bytes;
+}
+
+Submission decode_submission(std::string_view bytes) {
+  require(bytes.size() <= kMaxSubmissionBytes, "submission", "too long");
+  wire::Submission w;
+  require(w.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())), "submission", "is none");
+  require(w.frames_size() <= kMaxFrames, "frames", "too many entries");
+  Submission s;
+  read_head(w.head(), s);
+  s.frames = {w.frames().begin(), w.frames().end()};
+  s.names = {names_from(w.light_groups(), "light_groups"), names_from(w.objects(), "objects"),
+             names_from(w.materials(), "materials")};
+  try {
+    validate(s);
+  } catch (const Error& error) {
+    throw ProtocolError("submission", error.what());
+  }
+  return s;
+}
+
+}  // namespace tessera
