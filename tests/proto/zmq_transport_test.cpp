@@ -105,17 +105,19 @@ TEST_P(OverEveryRoad, MailThatIsNoMessageIsCountedAndDropped) {
   if (GetParam().starts_with("inproc")) return;  // a foreign context cannot reach it
   zmq::context_t foreign;
   zmq::socket_t rude(foreign, zmq::socket_type::dealer);
-  rude.set(zmq::sockopt::routing_id, "rude");
   rude.set(zmq::sockopt::linger, 10'000);
   rude.connect(router.endpoints()[0]);
-  for (const std::string& noise : {std::string("noise"), std::string(1 << 20, 'x'), std::string()})
+  for (const std::string& noise : {std::string("noise"), std::string(1 << 20, 'x'), std::string()}) {
+    rude.send(zmq::str_buffer("rude"), zmq::send_flags::sndmore);
     rude.send(zmq::buffer(noise), zmq::send_flags::none);
+  }
   for (int part = 0; part < 100; ++part)
     rude.send(zmq::str_buffer("part"), part < 99 ? zmq::send_flags::sndmore : zmq::send_flags::none);
   zmq::socket_t nameless(foreign, zmq::socket_type::dealer);
   nameless.set(zmq::sockopt::linger, 10'000);
   nameless.connect(router.endpoints()[0]);
   const Packet hello = encode(Hello{1, "", "", 1});
+  nameless.send(zmq::str_buffer(""), zmq::send_flags::sndmore);
   nameless.send(zmq::buffer(hello.header), zmq::send_flags::none);
   while (router.dropped() < 5) ASSERT_FALSE(router.receive(clock_now() + Millis{50}));
   dealer.send("coordinator", JobOver{7});
@@ -132,8 +134,8 @@ TEST(ZmqRouter, ReportsWhyMailWasDropped) {
                    {.on_dropped = [&](std::string_view why) { reasons.emplace_back(why); }});
   zmq::context_t foreign;
   zmq::socket_t rude(foreign, zmq::socket_type::dealer);
-  rude.set(zmq::sockopt::routing_id, "rude");
   rude.connect(router.endpoints()[0]);
+  rude.send(zmq::str_buffer("rude"), zmq::send_flags::sndmore);
   rude.send(zmq::str_buffer("noise"), zmq::send_flags::none);
   while (reasons.empty()) router.receive(clock_now() + Millis{50});
   EXPECT_THAT(reasons, testing::ElementsAre(testing::HasSubstr("header")));
