@@ -22,6 +22,7 @@ constexpr std::array kCommands{
     Subcommand{"denoise", "Filter images of any renderer", describe_denoise},
     Subcommand{"compare", "Measure the error of an image against a reference", describe_compare},
     Subcommand{"scene", "Check, describe or convert a scene", describe_scene},
+    Subcommand{"keygen", "Make a pair of keys for a farm beyond this machine", describe_keygen},
     Subcommand{"devices", "List the OpenCL devices that can filter", describe_devices},
     Subcommand{"filters", "List the filters, their parameters and halos", describe_filters},
     Subcommand{"schema", "Print the JSON Schema of the native scene format", describe_schema},

@@ -22,6 +22,7 @@ std::function<int()> describe_denoise(CLI::App&);
 std::function<int()> describe_compare(CLI::App&);
 std::function<int()> describe_devices(CLI::App&);
 std::function<int()> describe_filters(CLI::App&);
+std::function<int()> describe_keygen(CLI::App&);
 std::function<int()> describe_scene(CLI::App&);
 std::function<int()> describe_schema(CLI::App&);
 
