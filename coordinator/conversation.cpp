@@ -47,7 +47,7 @@ void Coordinator::welcome(const WorkerId& from, const Hello& hello, Instant now)
   device_classes_[from] = hello.device_class;
   for (auto& [id, active] : active_) active.offered.erase(from);
   road_.send(from, Welcome{kProtocolVersion, options_.heartbeat});
-  tell(Joined{from, hello.slots}, now);
+  tell(Joined{from, hello.slots, hello.device_class, hello.name}, now);
 }
 
 void Coordinator::answer(const WorkerId& from, const NeedJob& need, Instant now) {
@@ -85,7 +85,7 @@ void Coordinator::take(const WorkerId& from, Result& result, Instant now) {
   }
   in_hand_ = &result;
   in_hand_from_ = from;
-  tell(Done{from, result.task, result.attempt}, now);
+  tell(Done{from, result.task, result.attempt, result.seconds}, now);
   in_hand_ = std::monostate{};
 }
 
@@ -143,5 +143,14 @@ void Coordinator::carry_out(const Forget& c, Instant) {
 }
 
 void Coordinator::carry_out(const AskHello& c, Instant) { road_.send(c.worker, Unknown{}); }
+
+void Coordinator::carry_out(const ClassChanged& c, Instant) {
+  if (!c.from.empty())
+    spdlog::warn("coordinator: job {} is filtered by {} now, not by {}", c.job, c.to, c.from);
+}
+
+void Coordinator::carry_out(const SetAside& c, Instant) {
+  spdlog::error("coordinator: worker {} ({}) is set aside: {}", c.worker, c.name, c.reason);
+}
 
 }  // namespace tessera

@@ -124,7 +124,7 @@ Instant Coordinator::next_wake(Instant now) const {
 
 void Coordinator::add(Active& active, const std::vector<Work>& work, Instant now) {
   if (work.empty()) return;
-  Submitted submitted{{}, static_cast<std::uint32_t>(active.place)};
+  Submitted submitted{{}, {.rank = static_cast<std::uint32_t>(active.place)}};
   for (const Work& w : work) {
     const TaskId id = next_task_++;
     tasks_.emplace(id, Task{id, active.id, w});

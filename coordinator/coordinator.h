@@ -96,6 +96,8 @@ class Coordinator {
   void carry_out(const GiveUp&, Instant now);
   void carry_out(const Forget&, Instant now);
   void carry_out(const AskHello&, Instant now);
+  void carry_out(const ClassChanged&, Instant now);
+  void carry_out(const SetAside&, Instant now);
   void welcome(const WorkerId& from, const Hello& hello, Instant now);
   void answer(const WorkerId& from, const NeedJob& need, Instant now);
   template <class Result>

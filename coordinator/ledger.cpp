@@ -3,136 +3,171 @@
 
 #include <algorithm>
 #include <cassert>
+#include <functional>
 #include <utility>
 
 namespace tessera {
 namespace {
 
-Ledger::Room room_of(const Ledger::Worker& w) { return {w.held() / w.slots, w.held(), w.number}; }
+// A worker's queue is no longer, however short its tasks; agents refuse more than four times as many.
+constexpr int kMostAhead = 1024;
+constexpr double kUnknown = 1e6;  // seconds: whoever has a queue and no known speed is relieved first
 
-auto lease_of(Ledger::Task& task, const Ledger::Worker& worker) {
-  return std::ranges::find(task.leases, &worker, &Ledger::Lease::worker);
+book::Room room_of(const book::Worker& w) { return {w.held() / w.slots, w.held(), w.number}; }
+
+book::Burden burden_of(const book::Worker& w) {
+  return {-seconds_in_hand(w).value_or(kUnknown * w.held() / w.slots), w.number};
+}
+
+// The worker's place in a list is now under this key.
+template <class Key>
+void move(std::map<Key, book::Worker*>& list, std::optional<Key>& old, const std::optional<Key>& now,
+          book::Worker& worker) {
+  if (old == now) return;
+  if (old && now) {
+    auto node = list.extract(*old);
+    node.key() = *now;
+    list.insert(std::move(node));
+  } else if (old) {
+    list.erase(*old);
+  } else {
+    list.emplace(*now, &worker);
+  }
+  old = now;
 }
 
 }  // namespace
 
-bool Ledger::Task::lent_to(const Worker& w) const {
-  return std::ranges::find(leases, &w, &Lease::worker) != leases.end();
+std::optional<double> seconds_in_hand(const book::Worker& w) {
+  double seconds = 0;
+  for (const int kind : {0, 1}) {
+    if (w.held_cost[kind] > 0 && w.rate[kind] == 0) return std::nullopt;
+    seconds += w.held_cost[kind] * w.rate[kind];
+  }
+  return seconds / w.slots;
 }
 
-Ledger::Worker* Ledger::worker(const WorkerId& id) {
-  const auto it = workers_.find(id);
-  return it == workers_.end() ? nullptr : &it->second;
+// --- Jobs. ---
+
+Ledger::Job& Ledger::job(JobId id) {
+  Job& job = jobs_[id];
+  job.id = id;
+  return job;
 }
+
+Ledger::Job* Ledger::find_job(JobId id) {
+  const auto it = jobs_.find(id);
+  return it == jobs_.end() ? nullptr : &it->second;
+}
+
+void Ledger::rerank(Job& job, const Standing& standing) {
+  if (job.standing == standing) return;
+  waiting_.unlist(job);
+  job.standing = standing;
+  waiting_.list(job);
+}
+
+void Ledger::pause(Job& job, bool paused) {
+  waiting_.unlist(job);
+  job.paused = paused;
+  waiting_.list(job);
+}
+
+void Ledger::choose_class(Job& job, DeviceClass* kind) {
+  waiting_.unlist(job);
+  DeviceClass* old = std::exchange(job.filter_class, kind);
+  if (kind) {
+    ++kind->users;
+    kind->jobs.emplace(job.id, &job);
+    job.last_class = kind->name;
+  }
+  waiting_.list(job);
+  if (!old) return;
+  old->jobs.erase(job.id);
+  roster_.drop_class(*old);
+}
+
+void Ledger::erase(Job& job) {
+  assert(job.tasks.empty());
+  if (job.filter_class) choose_class(job, nullptr);
+  jobs_.erase(JobId(job.id));
+}
+
+void Ledger::forget_if_idle(Job& job) {
+  if (job.tasks.empty() && !job.paused && job.last_class.empty()) jobs_.erase(JobId(job.id));
+}
+
+// --- Tasks. ---
 
 Ledger::Task* Ledger::task(TaskId id) {
   const auto it = tasks_.find(id);
-  return it == tasks_.end() ? nullptr : &it->second;
+  return it == tasks_.end() ? nullptr : it->second;
 }
 
-Ledger::Worker& Ledger::join(const WorkerId& id, int slots, Instant now) {
-  assert(slots >= 1);
-  const auto [it, fresh] = workers_.try_emplace(id);
-  Worker& worker = it->second;
-  if (fresh) {
-    worker.id = id;
-    worker.number = joins_++;
-    worker.by_word = by_word_.insert(by_word_.end(), &worker);
-  } else {
-    unshelve(worker);
-  }
-  worker.slots = slots;
-  hear(worker, now);
-  promote(worker, now);
-  shelve(worker);
-  return worker;
-}
-
-void Ledger::hear(Worker& worker, Instant now) {
-  worker.last_word = now;
-  by_word_.splice(by_word_.end(), by_word_, worker.by_word);
-}
-
-void Ledger::retire(Worker& worker) {
-  assert(worker.held() == 0 && !worker.gone);
-  unshelve(worker);
-  worker.gone = true;
-  ++retired_;
-}
-
-void Ledger::forget(Worker& worker) {
-  assert(worker.held() == 0);
-  unshelve(worker);
-  if (worker.gone) --retired_;
-  by_word_.erase(worker.by_word);
-  workers_.erase(WorkerId(worker.id));
-}
-
-Ledger::Task& Ledger::add(TaskId id, JobId job, std::uint32_t rank) {
-  constexpr int kWishBits = 40;  // a trillion tasks
-  const auto [it, fresh] = tasks_.try_emplace(id);
+Ledger::Task& Ledger::add(const Wish& wish, Job& job) {
+  assert(wish.cost > 0);
+  Task& task = job.tasks.emplace_back();
+  task.self = std::prev(job.tasks.end());
+  [[maybe_unused]] const bool fresh = tasks_.emplace(wish.task, &task).second;
   assert(fresh);
-  Task& task = it->second;
-  task.id = id;
-  task.job = job;
-  task.wish = (std::uint64_t{rank} << kWishBits) + wishes_++;
-  jobs_[job].insert(id);
-  wait(task);
+  task.id = wish.task;
+  task.job = &job;
+  task.order = submitted_++;
+  task.cost = wish.cost;
+  task.bytes = wish.bytes;
+  task.filter = wish.filter;
+  if (!wish.scene.empty()) task.scene = std::hash<std::string>{}(wish.scene) | 1;
+  task.avoid = wish.avoid;
+  if (!wish.device_class.empty()) task.only = &roster_.use_class(wish.device_class);
+  waiting_.add(task);
   return task;
 }
 
 void Ledger::erase(Task& task) {
   assert(task.leases.empty());
-  unwait(task);
-  const auto job = jobs_.find(task.job);
-  job->second.erase(task.id);
-  if (job->second.empty()) jobs_.erase(job);
-  tasks_.erase(TaskId(task.id));
+  if (task.line) waiting_.remove(task);
+  DeviceClass* only = task.only;
+  tasks_.erase(task.id);
+  task.job->tasks.erase(task.self);
+  if (only) roster_.drop_class(*only);
 }
 
 void Ledger::wait(Task& task) {
   assert(task.leases.empty());
-  task.waiting = true;
-  (task.failed_on.empty() ? fresh_ : retried_).emplace(task.wish, &task);
+  waiting_.add(task);
 }
 
-void Ledger::unwait(Task& task) {
-  if (!std::exchange(task.waiting, false)) return;
-  fresh_.erase(task.wish);
-  retried_.erase(task.wish);
-}
-
-std::vector<TaskId> Ledger::tasks_of(JobId job) const {
-  const auto it = jobs_.find(job);
-  if (it == jobs_.end()) return {};
-  std::vector<TaskId> tasks(it->second.begin(), it->second.end());
-  std::ranges::sort(tasks);
-  return tasks;
-}
+// --- Leases. ---
 
 void Ledger::lend(Task& task, Worker& worker, Attempt attempt, Instant now) {
-  assert(task.leases.size() < 2 && !task.lent_to(worker) && !worker.gone);
-  unwait(task);
+  assert(!task.leases.full() && !task.leases.of(worker) && worker.able());
+  if (task.line) waiting_.give(task);
   unlist_lone(task);
-  unshelve(worker);
+  if (task.leases.empty()) ++running_;
   task.attempts = std::max(task.attempts, attempt);
-  task.leases.push_back({&worker, attempt, now, now, orders_++});
-  worker.queued.emplace(task.leases.back().order, &task);
+  const book::Lease& lease = task.leases.add({&worker, attempt, now, now, now, orders_++});
+  worker.queued.emplace_hint(worker.queued.end(), lease.order, &task);
+  worker.queued_bytes += task.bytes;
+  worker.held_cost[task.filter] += task.cost;
   list_lone(task);
-  promote(worker, now);
-  shelve(worker);
+  settle(worker, now);
 }
 
 void Ledger::take_back(Task& task, Worker& worker, Instant now) {
-  const auto lease = lease_of(task, worker);
-  assert(lease != task.leases.end());
+  book::Lease* lease = task.leases.of(worker);
+  assert(lease);
   unlist_lone(task);
-  unshelve(worker);
-  (lease->running ? worker.running : worker.queued).erase(lease->order);
-  task.leases.erase(lease);
+  if (lease->running) {
+    worker.running.erase(lease->order);
+  } else {
+    worker.queued.erase(lease->order);
+    worker.queued_bytes -= task.bytes;
+  }
+  worker.held_cost[task.filter] = worker.held() == 0 ? 0 : worker.held_cost[task.filter] - task.cost;
+  task.leases.remove(lease);
+  if (task.leases.empty()) --running_;
   list_lone(task);
-  promote(worker, now);
-  shelve(worker);
+  settle(worker, now);
 }
 
 // What a free slot takes up next.
@@ -141,31 +176,61 @@ void Ledger::promote(Worker& worker, Instant now) {
     auto node = worker.queued.extract(worker.queued.begin());
     Task& task = *node.mapped();
     unlist_lone(task);
-    const auto lease = lease_of(task, worker);
+    book::Lease* lease = task.leases.of(worker);
     lease->running = true;
     lease->since = now;
+    worker.queued_bytes -= task.bytes;
     worker.running.insert(std::move(node));
     list_lone(task);
   }
 }
 
+// Not one that had chances enough: with ever new copies it would never be given up.
 void Ledger::list_lone(Task& task) {
-  if (task.leases.size() != 1) return;
-  const Lease& lease = task.leases.front();
-  (lease.running ? lone_running_ : lone_queued_).emplace(std::pair{lease.since, lease.order}, &task);
+  if (task.leases.size() != 1 || task.strikes >= options_.max_attempts) return;
+  const book::Lease& lease = *task.leases.begin();
+  if (!lease.running) return;
+  DeviceClass* kind = class_for(task);
+  task.lone = kind ? &kind->lone : &lone_;
+  task.lone->emplace(std::pair{lease.since, lease.order}, &task);
 }
 
 void Ledger::unlist_lone(Task& task) {
-  if (task.leases.size() != 1) return;
-  const Lease& lease = task.leases.front();
-  (lease.running ? lone_running_ : lone_queued_).erase({lease.since, lease.order});
+  if (!task.lone) return;
+  const book::Lease& lease = *task.leases.begin();
+  task.lone->erase({lease.since, lease.order});
+  task.lone = nullptr;
+}
+
+// --- Workers. ---
+
+void Ledger::settle(Worker& worker, Instant now) {
+  promote(worker, now);
+  shelve(worker);
+}
+
+void Ledger::shut(Worker& worker) {
+  move(worker.device_class->roomy, worker.room, {}, worker);
+  move(burdened_, worker.burden, {}, worker);
 }
 
 void Ledger::shelve(Worker& worker) {
-  const std::int64_t most = std::int64_t(worker.slots) * (1 + ahead_);
-  if (!worker.gone && worker.held() < most) roomy_.emplace(room_of(worker), &worker);
+  if (!worker.able()) return shut(worker);
+  move(worker.device_class->roomy, worker.room,
+       has_room(worker) ? std::optional(room_of(worker)) : std::nullopt, worker);
+  move(burdened_, worker.burden, worker.queued.empty() ? std::nullopt : std::optional(burden_of(worker)),
+       worker);
 }
 
-void Ledger::unshelve(Worker& worker) { roomy_.erase(room_of(worker)); }
+bool Ledger::has_room(const Worker& worker) const {
+  if (worker.held() < std::int64_t(worker.slots) * (1 + options_.ahead)) return true;
+  if (worker.held() >= worker.slots + kMostAhead) return false;
+  const std::optional<double> seconds = seconds_in_hand(worker);
+  return seconds && *seconds < options_.lease_seconds;
+}
+
+bool Ledger::fits(const Task& task, const Worker& worker) const {
+  return worker.idle() || task.bytes == 0 || worker.queued_bytes + task.bytes <= options_.bytes_ahead;
+}
 
 }  // namespace tessera

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// What the scheduler makes of its news. How tasks are given out: dispatch.cpp.
 #include "coordinator/scheduler.h"
 
 #include <algorithm>
@@ -8,29 +9,57 @@
 namespace tessera {
 namespace {
 
-// How many tasks are looked at for one that this worker may have; those passed over have failed on it, and
-// others will take them.
-constexpr int kWindow = 32;
+constexpr double kMemory = 0.25;  // what a worker's last task weighs in its speed
+
+void smooth(double& value, double sample) { value += (value == 0 ? 1 : kMemory) * (sample - value); }
 
 }  // namespace
 
 std::vector<Command> Scheduler::handle(const Event& event, Instant now) {
   now_ = std::max(now_, now);
+  roster_.set_time(now_);
   std::visit([this](const auto& e) { on(e); }, event);
   dispatch();
   return std::exchange(out_, {});
 }
 
 std::optional<Instant> Scheduler::next_deadline() const {
-  const Worker* quietest = ledger_.quietest();
+  const Worker* quietest = roster_.quietest();
   if (!quietest) return std::nullopt;
   return quietest->last_word + options_.silence;
 }
 
+SchedulerCounts Scheduler::counts() const {
+  SchedulerCounts counts = counts_;
+  counts.workers = roster_.present();
+  counts.set_aside = roster_.set_aside();
+  counts.running = ledger_.running();
+  counts.waiting = ledger_.tasks() - ledger_.running();
+  return counts;
+}
+
+std::vector<WorkerFigures> Scheduler::workers() const {
+  std::vector<WorkerFigures> all;
+  for (const auto& [id, w] : roster_.workers())
+    if (!w.gone)
+      all.push_back({id, w.name->name, w.device_class->name, w.slots, w.held(), w.done, w.failed,
+                     w.pace > 0 ? w.slots / w.pace : 0, w.name->set_aside});
+  std::ranges::sort(all, {}, &WorkerFigures::worker);
+  return all;
+}
+
+// --- Workers come, speak and go. ---
+
 void Scheduler::on(const Joined& e) {
-  const Worker* worker = ledger_.worker(e.worker);
-  if (worker && worker->gone) return;
-  ledger_.join(e.worker, e.slots, now_);
+  Worker* known = roster_.worker(e.worker);
+  if (known && known->gone) return;
+  if (known && !roster_.same(*known, e)) {  // another one under the same id
+    dismiss(*known);
+    forget(*known);
+  }
+  Worker& worker = roster_.join(e);
+  ledger_.settle(worker, now_);
+  if (!worker.able()) out_.push_back(SetAside{worker.id, worker.name->name, worker.name->set_aside});
 }
 
 void Scheduler::on(const Heard& e) {
@@ -38,67 +67,48 @@ void Scheduler::on(const Heard& e) {
   if (worker && e.held) compare(*worker, *e.held);
 }
 
-void Scheduler::on(const Done& e) {
-  listen(e.worker);
-  Task* task = ledger_.task(e.task);
-  if (!task) return;
-  out_.push_back(Accept{e.task});
-  if (Worker* worker = ledger_.worker(e.worker); worker && task->lent_to(*worker))
-    ledger_.take_back(*task, *worker, now_);
-  revoke_all(*task);
-  ledger_.erase(*task);
-}
-
-void Scheduler::on(const Failed& e) {
-  Worker* worker = listen(e.worker);
-  Task* task = ledger_.task(e.task);
-  if (!task) return;
-  if (e.bad_input) return give_up(*task, e.reason, true);
-  if (!worker) return;
-  const auto lease = std::ranges::find(task->leases, worker, &Ledger::Lease::worker);
-  if (lease == task->leases.end() || lease->attempt != e.attempt) return;  // it was counted already
-  strike(*task, e.worker, e.reason);
-  release(*task, *worker);
-}
-
 void Scheduler::on(const Left& e) {
-  Worker* worker = ledger_.worker(e.worker);
+  Worker* worker = roster_.worker(e.worker);
   if (!worker || worker->gone) return;
-  ledger_.hear(*worker, now_);
+  roster_.hear(*worker);
   release_all(*worker, false);
-  ledger_.retire(*worker);
+  ledger_.shut(*worker);
+  roster_.retire(*worker);
+  gave_up_class(*worker->device_class);
 }
 
-void Scheduler::on(const Submitted& e) {
-  for (const Wish& wish : e.tasks) ledger_.add(wish.task, wish.job, e.standing.rank);
+void Scheduler::on(const Released& e) {
+  Name* name = roster_.name(e.worker);
+  if (!name) return;
+  roster_.release(*name);
+  for (Worker* worker : name->workers) ledger_.settle(*worker, now_);
 }
-
-void Scheduler::on(const WithdrawnTasks& e) {
-  for (const TaskId id : e.tasks)
-    if (Task* task = ledger_.task(id)) {
-      revoke_all(*task);
-      ledger_.erase(*task);
-    }
-}
-
-void Scheduler::on(const WithdrawnJob& e) { on(WithdrawnTasks{ledger_.tasks_of(e.job)}); }
 
 void Scheduler::on(const TimePassed&) {
-  for (Worker* w = ledger_.quietest(); w && w->last_word + options_.silence <= now_; w = ledger_.quietest()) {
+  for (Worker* w = roster_.quietest(); w && w->last_word + options_.silence <= now_; w = roster_.quietest()) {
     if (!w->gone) {
       out_.push_back(Forget{w->id});
       release_all(*w, true);
     }
-    ledger_.forget(*w);
+    forget(*w);
   }
+}
+
+void Scheduler::forget(Worker& worker) {
+  DeviceClass& kind =
+      roster_.use_class(std::string(worker.device_class->name));  // it outlives its last worker
+  ledger_.shut(worker);
+  roster_.forget(worker);
+  gave_up_class(kind);
+  roster_.drop_class(kind);
 }
 
 // The worker, if it is one of ours; strangers are asked to introduce themselves.
 Scheduler::Worker* Scheduler::listen(const WorkerId& id) {
-  Worker* worker = ledger_.worker(id);
+  Worker* worker = roster_.worker(id);
   if (!worker) out_.push_back(AskHello{id});
   if (!worker || worker->gone) return nullptr;
-  ledger_.hear(*worker, now_);
+  roster_.hear(*worker);
   return worker;
 }
 
@@ -110,126 +120,228 @@ void Scheduler::compare(Worker& worker, const std::vector<Held>& held) {
     if (has.insert(h.task).second) reported(worker, h);
   std::vector<Task*> lost;
   for (const auto* tasks : {&worker.running, &worker.queued})
-    for (const auto& [order, task] : *tasks) {
-      const auto lease = std::ranges::find(task->leases, &worker, &Ledger::Lease::worker);
-      if (!has.contains(task->id) && now_ - lease->seen > options_.grace) lost.push_back(task);
-    }
+    for (const auto& [order, task] : *tasks)
+      if (!has.contains(task->id) && now_ - task->leases.of(worker)->seen > options_.grace)
+        lost.push_back(task);
   for (Task* task : lost) release(*task, worker);
 }
 
 void Scheduler::reported(Worker& worker, const Held& held) {
   Task* task = ledger_.task(held.task);
-  const bool lent = task && task->lent_to(worker);
-  if (lent) {
-    std::ranges::find(task->leases, &worker, &Ledger::Lease::worker)->seen = now_;
+  if (book::Lease* lease = task ? task->leases.of(worker) : nullptr) {
+    lease->seen = now_;
     return;
   }
-  // It was thought lost, but is not: better to let it finish than to begin again.
-  const bool welcome = task && task->leases.size() < 2 &&
-                       std::ranges::find(task->failed_on, worker.id) == task->failed_on.end();
-  if (welcome)
-    ledger_.lend(*task, worker, held.attempt, now_);
+  // It was thought lost, but is not: better to let it finish than to begin again. But not where it was taken
+  // out of the queue, by a word that is still under way.
+  const auto welcome = [&] {
+    if (!task || task->leases.full() || !worker.able()) return false;
+    if (task->moved_from == worker.number && held.attempt <= task->moved_attempt && !task->leases.empty())
+      return false;
+    const auto failed = std::ranges::find(task->failures, worker.name->name, &book::Failure::name);
+    return failed == task->failures.end() && may_have(worker, *task);
+  };
+  if (welcome())
+    entrust(*task, worker, held.attempt);
   else
     out_.push_back(RevokeTask{worker.id, held.task, held.attempt});
 }
 
-void Scheduler::strike(Task& task, const WorkerId& worker, const std::string& reason) {
+// --- Tasks end. ---
+
+void Scheduler::on(const Done& e) {
+  Worker* worker = listen(e.worker);
+  Task* task = ledger_.task(e.task);
+  Worker* sender = roster_.worker(e.worker);  // gone, perhaps
+  if (!task || !may_answer(*task, e.worker, sender)) {
+    ++counts_.dropped;
+    return;
+  }
+  if (task->filter && !class_for(*task)) ledger_.choose_class(*task->job, sender->device_class);
+  out_.push_back(Accept{e.task});
+  ++counts_.accepted;
+  if (worker) {
+    ++worker->done;
+    roster_.succeeded(*worker->name);
+    learn(*worker, *task, e.seconds);
+    if (task->leases.of(*worker)) ledger_.take_back(*task, *worker, now_);
+  }
+  revoke_all(*task);
+  const std::vector<book::Failure> failures = std::move(task->failures);
+  erase(*task);
+  convict(failures, sender ? sender->name : nullptr);
+}
+
+// Where bits may differ between classes, or are to be compared, it matters whose they are.
+bool Scheduler::may_answer(const Task& task, const WorkerId& id, const Worker* sender) const {
+  if (!task.avoid.empty() && (task.avoid == id || !sender || task.avoid == sender->name->name)) return false;
+  const DeviceClass* kind = class_for(task);
+  if (!kind && !task.filter) return true;
+  return sender && !sender->gone && (!kind || kind == sender->device_class);
+}
+
+// What a worker says of itself is believed within the time that passed.
+void Scheduler::learn(Worker& worker, const Task& task, double seconds) {
+  const auto lease = std::ranges::find(task.leases, &worker, &book::Lease::worker);
+  if (lease == task.leases.end() || !(seconds > 0)) return;
+  const double passed = std::chrono::duration<double>(now_ - lease->given).count();
+  const double sane = std::min(seconds, passed);
+  if (sane <= 0) return;
+  smooth(worker.rate[task.filter], sane / task.cost);
+  smooth(worker.pace, sane);
+}
+
+void Scheduler::on(const Failed& e) {
+  Worker* worker = listen(e.worker);
+  Task* task = ledger_.task(e.task);
+  if (!task) return;
+  if (e.bad_input) return give_up(*task, e.reason, true);
+  if (!worker) return;
+  const book::Lease* lease = task->leases.of(*worker);
+  if (!lease || lease->attempt != e.attempt) return;  // it was counted already
+  ++worker->failed;
+  strike(*task, *worker, e.reason, ++incidents_);
+  release(*task, *worker);
+}
+
+void Scheduler::strike(Task& task, Worker& worker, const std::string& reason, std::uint64_t incident) {
+  Name& name = *worker.name;
   ++task.strikes;
   task.reason = reason;
-  if (std::ranges::find(task.failed_on, worker) == task.failed_on.end()) task.failed_on.push_back(worker);
+  task.witnessed |= name.tried;
+  roster_.failed(name, reason);
+  const auto place = std::ranges::lower_bound(task.failures, name.name, {}, &book::Failure::name);
+  if (place == task.failures.end() || place->name != name.name)
+    task.failures.insert(place, {name.name, incident});
+}
+
+// Workers enough have failed at it, one of which can do others; or there is no other worker.
+bool Scheduler::hopeless(const Task& task) const {
+  const int most = options_.max_attempts;
+  if (task.strikes < most) return false;
+  if (static_cast<int>(task.failures.size()) >= most && task.witnessed) return true;
+  constexpr int kPatience = 3;  // workers none of which ever did anything prove little
+  return task.strikes >= kPatience * std::int64_t(most) || !roster_.anybody_else(terms_of(task));
 }
 
 // The worker has it no more. If nobody has, it waits again, unless it had chances enough.
 void Scheduler::release(Task& task, Worker& worker) {
   ledger_.take_back(task, worker, now_);
   if (!task.leases.empty()) return;
-  if (task.strikes >= options_.max_attempts)
-    give_up(task, task.reason, false);
-  else
-    ledger_.wait(task);
+  if (hopeless(task)) return give_up(task, task.reason, false);
+  ++counts_.retried;
+  ledger_.wait(task);
 }
 
 // A task that a worker was at when it died may be what killed it; those that lay in its queue are innocent.
 void Scheduler::release_all(Worker& worker, bool dead) {
-  const Ledger::WaitingTasks running = worker.running, queued = worker.queued;
+  const auto running = worker.running, queued = worker.queued;
+  ++incidents_;
   for (const auto& [order, task] : running)
-    if (dead) strike(*task, worker.id, "worker " + worker.id + " fell silent while at it");
+    if (dead) strike(*task, worker, "worker " + worker.id + " fell silent while at it", incidents_);
   // The queue first, else its tasks would be taken for running ones as slots become free.
   for (const auto* tasks : {&queued, &running})
     for (const auto& [order, task] : *tasks) release(*task, worker);
 }
 
-void Scheduler::revoke_all(Task& task) {
-  while (!task.leases.empty()) {
-    const Ledger::Lease lease = task.leases.back();
-    out_.push_back(RevokeTask{lease.worker->id, task.id, lease.attempt});
-    ledger_.take_back(task, *lease.worker, now_);
+// It is told to drop all that it has, which others get; without blame.
+void Scheduler::dismiss(Worker& worker) {
+  for (const auto* tasks : {&worker.running, &worker.queued})
+    for (const auto& [order, task] : *tasks) {
+      out_.push_back(RevokeTask{worker.id, task->id, task->leases.of(worker)->attempt});
+      ++counts_.revoked;
+    }
+  release_all(worker, false);
+}
+
+// Others did what failed on these.
+void Scheduler::convict(const std::vector<book::Failure>& failures, const Name* but) {
+  for (const book::Failure& f : failures) {
+    Name* name = roster_.name(f.name);
+    if (name && name != but && roster_.convict(*name, f.incident)) set_aside(*name);
   }
+}
+
+void Scheduler::set_aside(Name& name) {
+  const std::string why = "it failed " + std::to_string(name.proven.size()) +
+                          " times in a row at what others can do; last: " + name.last_failure;
+  for (Worker* worker : name.workers) dismiss(*worker);
+  roster_.set_aside(name, why);
+  for (Worker* worker : name.workers) {
+    ledger_.shut(*worker);
+    out_.push_back(SetAside{worker->id, name.name, why});
+    gave_up_class(*worker->device_class);
+  }
+}
+
+// If nobody of the class is left, others do its filter tasks.
+void Scheduler::gave_up_class(DeviceClass& kind) {
+  if (!kind.able.empty()) return;
+  while (!kind.jobs.empty()) ledger_.choose_class(*kind.jobs.begin()->second, nullptr);
+}
+
+void Scheduler::revoke(Task& task, Worker& worker) {
+  out_.push_back(RevokeTask{worker.id, task.id, task.leases.of(worker)->attempt});
+  ++counts_.revoked;
+  ledger_.take_back(task, worker, now_);
+}
+
+void Scheduler::revoke_all(Task& task) {
+  while (!task.leases.empty()) revoke(task, *std::prev(task.leases.end())->worker);
 }
 
 void Scheduler::give_up(Task& task, const std::string& reason, bool bad_input) {
   out_.push_back(GiveUp{task.id, reason, bad_input});
+  ++counts_.given_up;
   revoke_all(task);
+  erase(task);
+}
+
+void Scheduler::erase(Task& task) {
+  Job& job = *task.job;
   ledger_.erase(task);
+  ledger_.forget_if_idle(job);
 }
 
-// Idle slots first, over all workers, then what they take ahead.
-void Scheduler::dispatch() {
-  const auto& roomy = ledger_.roomy();
-  for (auto it = roomy.begin(); it != roomy.end();) {
-    Worker& worker = *it->second;
-    if (nothing_to_give(worker)) return;
-    const Ledger::Room room = it->first;
-    Task* task = next_for(worker);
-    if (!task && worker.idle()) task = double_for(worker);
-    if (task) {
-      out_.push_back(AssignTask{worker.id, task->id, task->attempts + 1});
-      ledger_.lend(*task, worker, task->attempts + 1, now_);
+// --- Work comes and goes. ---
+
+void Scheduler::on(const Submitted& e) {
+  for (const Wish& wish : e.tasks) {
+    Job& job = ledger_.job(wish.job);
+    ledger_.rerank(job, e.standing);
+    ledger_.add(wish, job);
+  }
+}
+
+void Scheduler::on(const Reranked& e) {
+  if (Job* job = ledger_.find_job(e.job)) ledger_.rerank(*job, e.standing);
+}
+
+void Scheduler::on(const PausedJob& e) { ledger_.pause(ledger_.job(e.job), true); }
+
+void Scheduler::on(const ResumedJob& e) {
+  Job* job = ledger_.find_job(e.job);
+  if (!job) return;
+  ledger_.pause(*job, false);
+  ledger_.forget_if_idle(*job);
+}
+
+void Scheduler::on(const WithdrawnTasks& e) {
+  for (const TaskId id : e.tasks)
+    if (Task* task = ledger_.task(id)) {
+      revoke_all(*task);
+      erase(*task);
     }
-    it = roomy.upper_bound(room);
+}
+
+void Scheduler::on(const WithdrawnJob& e) {
+  Job* job = ledger_.find_job(e.job);
+  if (!job) return;
+  while (!job->tasks.empty()) {
+    revoke_all(job->tasks.front());
+    ledger_.erase(job->tasks.front());
   }
-}
-
-// Those after `next` are at least as full.
-bool Scheduler::nothing_to_give(const Worker& next) const {
-  if (!ledger_.fresh().empty() || !ledger_.retried().empty()) return false;
-  const bool lone = !ledger_.lone_queued().empty() || !ledger_.lone_running().empty();
-  return !(options_.endgame && lone && next.idle());
-}
-
-// Not where it failed before, unless it failed on everybody.
-bool Scheduler::may_try(const Task& task, const Worker& worker) {
-  if (std::ranges::find(task.failed_on, worker.id) == task.failed_on.end()) return true;
-  const auto present = [this](const WorkerId& id) {
-    const Worker* w = ledger_.worker(id);
-    return w && !w->gone;
-  };
-  return static_cast<std::size_t>(std::ranges::count_if(task.failed_on, present)) == ledger_.present();
-}
-
-Scheduler::Task* Scheduler::next_for(const Worker& worker) {
-  Task* next = ledger_.fresh().empty() ? nullptr : ledger_.fresh().begin()->second;
-  int looked = 0;
-  for (const auto& [wish, task] : ledger_.retried()) {
-    if ((next && next->wish < wish) || ++looked > kWindow) break;
-    if (may_try(*task, worker)) return task;
-  }
-  return next;
-}
-
-// Somebody else's task: one that only lies in a queue, else the one that is at work the longest. Not one that
-// had chances enough: it would never be without a copy, and never be given up.
-Scheduler::Task* Scheduler::double_for(const Worker& worker) {
-  if (!options_.endgame) return nullptr;
-  for (const auto* tasks : {&ledger_.lone_queued(), &ledger_.lone_running()}) {
-    int looked = 0;
-    for (const auto& [since, task] : *tasks) {
-      if (++looked > worker.slots + kWindow) break;
-      const bool chances = task->strikes < options_.max_attempts;
-      if (chances && !task->lent_to(worker) && may_try(*task, worker)) return task;
-    }
-  }
-  return nullptr;
+  ledger_.erase(*job);
 }
 
 }  // namespace tessera

@@ -12,31 +12,37 @@
 #include <vector>
 
 #include "coordinator/ledger.h"
+#include "coordinator/roster.h"
 #include "coordinator/scheduling.h"
 #include "core/instant.h"
 
 namespace tessera {
 
-struct SchedulerOptions {
-  Millis silence{10'000};  // a worker that says nothing for so long is given up
-  Millis grace{3'000};     // a task that its worker has not reported for so long was lost on the way
-  int max_attempts = 3;    // failures, and deaths of workers that were at it, before a task is given up
-  int ahead = 1;           // tasks per slot that a worker holds beyond those at work, so that it never waits
-  bool endgame = true;     // a slot with nothing else to do works on a second copy of somebody's task
-};
-
 class Scheduler {
  public:
-  explicit Scheduler(const SchedulerOptions& options) : options_(options), ledger_(options.ahead) {}
+  explicit Scheduler(const SchedulerOptions& options)
+      : options_(options), roster_(options), ledger_(options, roster_) {}
 
   // `now` never goes back. Amortised O(log n) for n tasks and workers, plus the length of the event.
   std::vector<Command> handle(const Event& event, Instant now);
   // When TimePassed is due.
   std::optional<Instant> next_deadline() const;
 
+  SchedulerCounts counts() const;
+  // Of all that are there, by id.
+  std::vector<WorkerFigures> workers() const;
+
  private:
-  using Worker = Ledger::Worker;
-  using Task = Ledger::Task;
+  using DeviceClass = book::DeviceClass;
+  using Job = book::Job;
+  using Name = book::Name;
+  using Task = book::Task;
+  using Worker = book::Worker;
+  enum class Served : std::uint8_t { yes, too_much, nothing };
+  struct Turn {  // the next worker of a class to be asked, while tasks are given out
+    DeviceClass* kind;
+    book::Room next;
+  };
 
   void on(const Joined&);
   void on(const Heard&);
@@ -44,33 +50,50 @@ class Scheduler {
   void on(const Failed&);
   void on(const Left&);
   void on(const Submitted&);
-  // Not yet: tasks go by their ranks alone.
-  void on(const Reranked&) {}
-  void on(const PausedJob&) {}
-  void on(const ResumedJob&) {}
-  void on(const Released&) {}
+  void on(const Reranked&);
+  void on(const PausedJob&);
+  void on(const ResumedJob&);
   void on(const WithdrawnTasks&);
   void on(const WithdrawnJob&);
+  void on(const Released&);
   void on(const TimePassed&);
 
   Worker* listen(const WorkerId&);
   void compare(Worker&, const std::vector<Held>&);
   void reported(Worker&, const Held&);
-  void strike(Task&, const WorkerId&, const std::string& reason);
+  bool may_answer(const Task&, const WorkerId&, const Worker*) const;
+  void learn(Worker&, const Task&, double seconds);
+  void strike(Task&, Worker&, const std::string& reason, std::uint64_t incident);
+  bool hopeless(const Task&) const;
+  void convict(const std::vector<book::Failure>&, const Name* but);
+  void set_aside(Name&);
   void release(Task&, Worker&);
   void release_all(Worker&, bool dead);
+  void dismiss(Worker&);
+  void forget(Worker&);
+  void gave_up_class(DeviceClass&);
+  void revoke(Task&, Worker&);
   void revoke_all(Task&);
   void give_up(Task&, const std::string& reason, bool bad_input);
+  void erase(Task&);
 
   void dispatch();
-  bool nothing_to_give(const Worker& next) const;
-  bool may_try(const Task&, const Worker&);
-  Task* next_for(const Worker&);
+  Served serve(Worker&);
+  Task* take_over_for(const Worker&);
+  bool others_might_find(const Worker&) const;
+  bool may_have(const Worker&, const Task&) const;
+  Task* queued_elsewhere(const Worker&);
   Task* double_for(const Worker&);
+  void take_over(Task&);
+  void entrust(Task&, Worker&, Attempt);
 
   SchedulerOptions options_;
+  Roster roster_;
   Ledger ledger_;
   Instant now_{};
+  std::uint64_t incidents_ = 0;
+  SchedulerCounts counts_;
+  std::vector<Turn> turns_;
   std::vector<Command> out_;
 };
 

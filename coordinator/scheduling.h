@@ -15,6 +15,22 @@
 
 namespace tessera {
 
+struct SchedulerOptions {
+  Millis silence{10'000};  // a worker that says nothing for so long is given up
+  Millis grace{3'000};     // a task that its worker has not reported for so long was lost on the way
+  // Workers on which a task fails, or that die at it, before it is given up; attempts, if there are not so
+  // many workers.
+  int max_attempts = 3;
+  int ahead = 1;               // tasks per slot that a worker holds beyond those at work, at least,
+  double lease_seconds = 1.0;  // and as many as last so long, if that is known
+  std::uint64_t bytes_ahead = std::uint64_t{64} << 20;  // that travelled with tasks not at work yet, at most
+  bool endgame = true;  // a slot with nothing else to do takes over, or works on a second copy of, a task
+  // A worker may be given a task of a scene that it has loaded, though its flow has had so much more than
+  // that whose turn it is. In units of cost.
+  double affinity_slack = 1 << 22;
+  int set_aside_after = 5;  // failures in a row at what others can do; 0: never
+};
+
 // --- News. Anything a worker says is one of these, so that every word of it renews its leases. ---
 
 struct Joined {
@@ -125,7 +141,6 @@ struct AskHello {  // a stranger spoke
   WorkerId worker;
   bool operator==(const AskHello&) const = default;
 };
-// The next two will be Commands when the scheduler sets workers aside and keeps to device classes.
 struct ClassChanged {  // filter tasks of the job are done by another device class from now on
   JobId job = 0;
   std::string from, to;  // from: empty, if they are the first
@@ -136,13 +151,16 @@ struct SetAside {  // it gets no more tasks until it is Released, nor does anoth
   std::string name, reason;
   bool operator==(const SetAside&) const = default;
 };
-using Command = std::variant<AssignTask, RevokeTask, Accept, GiveUp, Forget, AskHello>;
+using Command =
+    std::variant<AssignTask, RevokeTask, Accept, GiveUp, Forget, AskHello, ClassChanged, SetAside>;
 
 // --- Figures. ---
 
 // Since the scheduler began; the second half: now.
 struct SchedulerCounts {
   std::uint64_t assigned = 0, accepted = 0, revoked = 0, retried = 0, given_up = 0;
+  std::uint64_t moved = 0;    // from a queue to an idle slot
+  std::uint64_t doubled = 0;  // second copies given out
   std::uint64_t dropped = 0;  // results of tasks that were done already, or are not wanted
   std::size_t workers = 0, set_aside = 0;
   std::size_t waiting = 0, running = 0;  // tasks; running: some worker has it

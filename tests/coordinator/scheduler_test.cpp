@@ -133,13 +133,14 @@ TEST(Scheduler, AnIdleWorkerTakesASecondCopyOfTheTaskThatIsAtWorkTheLongest) {
   EXPECT_THAT(s.handle(Done{"b", 1, 2}, at(7)), ElementsAre(Accept{1}, RevokeTask{"a", 1, 1}));
 }
 
-TEST(Scheduler, AnIdleWorkerPrefersWhatOnlyLiesInAQueue) {
+TEST(Scheduler, AnIdleWorkerTakesOverWhatOnlyLiesInAQueue) {
   SchedulerOptions options = kPlain;
   options.ahead = 1;
   Scheduler s(options);
   s.handle(Joined{"a", 1}, at(0));
   s.handle(wishes(1, 3), at(0));
-  EXPECT_THAT(s.handle(Joined{"b", 1}, at(5)), ElementsAre(AssignTask{"b", 2, 2}));
+  EXPECT_THAT(s.handle(Joined{"b", 1}, at(5)), ElementsAre(RevokeTask{"a", 2, 1}, AssignTask{"b", 2, 2}));
+  EXPECT_EQ(s.counts().moved, 1u);
 }
 
 TEST(Scheduler, ACopyThatFailsLeavesTheOtherAtWork) {
