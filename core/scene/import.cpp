@@ -179,6 +179,7 @@ void append(Scene& scene, Scene&& part, const Matrix& transform) {
   move_to_end(scene.suns, part.suns);
   move_to_end(scene.variants, part.variants);
   move_to_end(scene.cameras, part.cameras);
+  move_to_end(scene.files, part.files);
   for (std::string& text : part.warnings) warn(scene, std::move(text));
 }
 

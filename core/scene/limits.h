@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,8 @@ struct ImportLimits {
   std::uint64_t picture_pixels = 1ull << 31;  // of all pictures
   std::uint64_t node_depth = 1000;            // of parents above a node
   std::uint64_t depth = 8;                    // of scenes that import scenes
+  // Files outside of these folders are refused, and names are taken without "..": see roots.h. Empty: none.
+  std::vector<std::filesystem::path> roots = {};
   bool operator==(const ImportLimits&) const = default;
 };
 

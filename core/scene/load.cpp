@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <unordered_set>
 
 #include "core/error.h"
 #include "core/nearest.h"
@@ -31,12 +32,18 @@ void light_up(Scene& scene, const std::filesystem::path& file) {
   warn(scene, file.string() + ": there is no light: an environment of radiance 1 lights it");
 }
 
+void forget_repeats(std::vector<std::string>& files) {
+  std::unordered_set<std::string> known;
+  std::erase_if(files, [&](const std::string& file) { return !known.insert(file).second; });
+}
+
 }  // namespace
 
 Scene load_scene(const std::filesystem::path& file, const ImportLimits& limits) {
   ImportBudget budget{limits};
   Scene scene = import_scene(file, budget);
   require_at_most(limits.instances, scene.instances.size(), "instances", file.string());
+  forget_repeats(scene.files);
   finish(scene, file.string());
   light_up(scene, file);
   return scene;

@@ -13,6 +13,7 @@
 #include "core/exr_header.h"
 #include "core/scene/bmp_header.h"
 #include "core/scene/files.h"
+#include "core/scene/roots.h"
 #include "core/scene/srgb.h"
 #include "core/sha256.h"
 
@@ -275,11 +276,19 @@ int PictureShelf::place_once(const std::string& name, Encoding encoding, Keep ke
   return placed_[key] = static_cast<int>(scene_.pictures.size()) - 1;
 }
 
-int PictureShelf::place(const std::filesystem::path& file, Encoding encoding, std::string_view where,
+void PictureShelf::note(const Picture& picture, std::string_view where) {
+  for (const Picture& tile : picture.tiles) note(tile, where);
+  if (picture.tiles.empty()) scene_.files.push_back(within(roots_, picture.name, where).string());
+}
+
+int PictureShelf::place(const std::filesystem::path& named, Encoding encoding, std::string_view where,
                         Keep keep) {
+  const std::filesystem::path file = within(roots_, named, where);
   return place_once(file.lexically_normal().string(), encoding, keep, [&] {
     const bool tiled = keep == Keep::source && file.filename().string().find(kUdim) != std::string::npos;
-    return tiled ? read_udims(file, encoding, where) : read_picture(file, encoding, where, keep);
+    Picture picture = tiled ? read_udims(file, encoding, where) : read_picture(file, encoding, where, keep);
+    note(picture, where);
+    return picture;
   });
 }
 

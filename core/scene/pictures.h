@@ -41,10 +41,13 @@ Picture with_pixels(const Picture&);
 // Of all pictures of one scene file: what the scene holds, and how many values they have.
 inline constexpr std::uint64_t kMaxShelfBytes = 1ull << 33, kMaxShelfValues = 1ull << 36;
 
-// Adds pictures to a scene: the same file in the same encoding is there once.
+// Adds pictures to a scene, and their files to what it was made from: the same file in the same encoding is
+// there once.
 class PictureShelf {
  public:
-  explicit PictureShelf(Scene& scene) : scene_(scene) {}  // borrowed; outlives the shelf
+  // The scene is borrowed and outlives the shelf. Files outside of the roots are refused (roots.h).
+  explicit PictureShelf(Scene& scene, std::vector<std::filesystem::path> roots = {})
+      : scene_(scene), roots_(std::move(roots)) {}
 
   // The index of the picture in the scene. The file's name may contain <UDIM> unless pixels are to be kept.
   int place(const std::filesystem::path& file, Encoding, std::string_view where = {}, Keep = Keep::source);
@@ -54,7 +57,11 @@ class PictureShelf {
   template <class Decode>
   int place_once(const std::string& name, Encoding, Keep, const Decode&);
 
+  // Notes the files of a picture, which must lie within the roots.
+  void note(const Picture&, std::string_view where);
+
   Scene& scene_;
+  std::vector<std::filesystem::path> roots_;
   std::uint64_t bytes_ = 0, values_ = 0;  // of all pictures placed
   std::map<std::tuple<std::string, Encoding, Keep>, int> placed_;
 };

@@ -13,6 +13,7 @@
 #include "core/scene/import.h"
 #include "core/scene/pictures.h"
 #include "core/scene/ply_header.h"
+#include "core/scene/roots.h"
 #include "core/scene/srgb.h"
 
 namespace tessera {
@@ -104,6 +105,7 @@ class Reader {
       : file_(file), name_(name), limits_(limits) {}
 
   Scene read(std::string_view bytes) {
+    scene_.files = {name_};
     const ply::Header header = ply::read_header(bytes, name_);
     Numbers numbers(bytes.substr(header.size), header.format, name_);
     for (const Element& element : header.elements) read_element(element, numbers);
@@ -201,7 +203,7 @@ class Reader {
   }
 
   void add_picture(Material& material, const std::string& picture) {
-    PictureShelf shelf(scene_);
+    PictureShelf shelf(scene_, limits_.roots);
     material.base_color = Color(1);
     material.base_color_texture.picture = shelf.place(file_.parent_path() / picture, Encoding::srgb, name_);
     const Picture& placed = scene_.pictures.back();
@@ -220,8 +222,9 @@ class Reader {
 }  // namespace
 
 Scene read_ply(const std::filesystem::path& file, const ImportLimits& limits, std::string_view where) {
-  const std::string name = file.string(), bytes = read_file(file, limits.file_bytes, where);
-  return Reader(file, name, limits).read(bytes);
+  const std::filesystem::path allowed = within(limits.roots, file, where);
+  const std::string name = allowed.string(), bytes = read_file(allowed, limits.file_bytes, where);
+  return Reader(allowed, name, limits).read(bytes);
 }
 
 }  // namespace tessera

@@ -279,6 +279,7 @@ struct Scene {
   std::vector<Variant> variants;
   std::vector<Camera> cameras;        // at least one after loading
   std::vector<std::string> warnings;  // what the importer did not understand
+  std::vector<std::string> files;     // that were read for it, each once; the first is the scene file
 };
 
 }  // namespace tessera

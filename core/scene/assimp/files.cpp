@@ -6,6 +6,7 @@
 
 #include "core/scene/files.h"
 #include "core/scene/mtl.h"
+#include "core/scene/roots.h"
 
 namespace tessera::assimp {
 namespace {
@@ -32,7 +33,9 @@ Assimp::IOStream* CheckedFiles::Open(const char* name, const char*) {
     libraries_.warnings.push_back(fmt::format("there is no material library '{}'", shown));
     return nullptr;
   }
-  CheckedMtl mtl = checked_mtl(read_file(name, kMaxMtlBytes));
+  const std::filesystem::path library = within(roots_, name, file_.string());
+  CheckedMtl mtl = checked_mtl(read_file(library, kMaxMtlBytes));
+  libraries_.files.push_back(library.string());
   for (const std::string& text : mtl.warnings)
     libraries_.warnings.push_back(fmt::format("{}:{}", shown, text));
   libraries_.physical.merge(mtl.physical);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What assimp gets to read: the file itself, and material libraries only after a check (mtl.h). Nothing else.
+// What assimp gets to read: the file itself, and material libraries within the roots after a check (mtl.h).
+// Nothing else.
 // Only for the files of this folder.
 #pragma once
 
@@ -17,13 +18,15 @@ namespace tessera::assimp {
 struct Libraries {
   std::vector<std::string> warnings;
   std::set<std::string> physical;  // materials with Pr or Pm
+  std::vector<std::string> files;
 };
 
 class CheckedFiles : public Assimp::IOSystem {
  public:
   // `bytes` are those of `file`; `libraries` is borrowed.
-  CheckedFiles(std::string bytes, std::filesystem::path file, Libraries& libraries)
-      : bytes_(std::move(bytes)), file_(std::move(file)), libraries_(libraries) {}
+  CheckedFiles(std::string bytes, std::filesystem::path file, std::vector<std::filesystem::path> roots,
+               Libraries& libraries)
+      : bytes_(std::move(bytes)), file_(std::move(file)), roots_(std::move(roots)), libraries_(libraries) {}
 
   bool Exists(const char* name) const override;
   char getOsSeparator() const override { return '/'; }
@@ -36,6 +39,7 @@ class CheckedFiles : public Assimp::IOSystem {
 
   std::string bytes_;
   std::filesystem::path file_;
+  std::vector<std::filesystem::path> roots_;
   std::deque<std::string> texts_;
   Libraries& libraries_;
 };

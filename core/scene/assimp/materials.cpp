@@ -12,6 +12,7 @@
 
 #include "core/scene/import.h"
 #include "core/scene/pictures.h"
+#include "core/scene/roots.h"
 
 namespace tessera::assimp {
 namespace {
@@ -41,7 +42,12 @@ class Materials {
  public:
   Materials(Scene& scene, const aiScene& from, const std::filesystem::path& file,
             const std::set<std::string>& physical, const ImportLimits& limits)
-      : scene_(scene), from_(from), file_(file), physical_(physical), limits_(limits), shelf_(scene) {}
+      : scene_(scene),
+        from_(from),
+        file_(file),
+        physical_(physical),
+        limits_(limits),
+        shelf_(scene, limits.roots) {}
 
   void add(const aiMaterial& from) {
     Material m;
@@ -180,8 +186,11 @@ class Materials {
     std::replace(relative.begin(), relative.end(), '\\', '/');
     const std::filesystem::path folder = file_.parent_path(), named = folder / relative,
                                 beside = folder / named.filename();
-    std::error_code error;
-    return !std::filesystem::exists(named, error) && std::filesystem::exists(beside, error) ? beside : named;
+    const auto is_there = [&](const std::filesystem::path& file) {
+      std::error_code error;
+      return lies_within(limits_.roots, file) && std::filesystem::exists(file, error);
+    };
+    return !is_there(named) && is_there(beside) ? beside : named;
   }
 
   Scene& scene_;

@@ -20,6 +20,7 @@
 #include "core/scene/assimp/meshes.h"
 #include "core/scene/assimp/nodes.h"
 #include "core/scene/import.h"
+#include "core/scene/roots.h"
 
 namespace tessera {
 namespace {
@@ -83,8 +84,9 @@ Matrix to_metres_and_y_up(const aiScene& scene) {
 
 }  // namespace
 
-Scene read_with_assimp(const std::filesystem::path& file, const ImportLimits& limits,
+Scene read_with_assimp(const std::filesystem::path& named, const ImportLimits& limits,
                        std::string_view where) {
+  const std::filesystem::path file = within(limits.roots, named, where);
   const std::string name = file.string(), extension = extension_of(file);
   std::string bytes = read_file(file, limits.file_bytes, where);
   check(bytes, extension, limits, name);
@@ -92,7 +94,8 @@ Scene read_with_assimp(const std::filesystem::path& file, const ImportLimits& li
   keep_reader_of(importer, extension);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
   assimp::Libraries libraries;
-  importer.SetIOHandler(new assimp::CheckedFiles(std::move(bytes), file, libraries));  // the importer owns it
+  importer.SetIOHandler(
+      new assimp::CheckedFiles(std::move(bytes), file, limits.roots, libraries));  // the importer owns it
   const aiScene* read = nullptr;
   try {
     read = importer.ReadFile(name, 0);
@@ -106,6 +109,8 @@ Scene read_with_assimp(const std::filesystem::path& file, const ImportLimits& li
   if (!read) throw InputError(name, importer.GetErrorString(), format_of(extension));
   Scene scene;
   scene.name = file.stem().string();
+  scene.files = {name};
+  scene.files.insert(scene.files.end(), libraries.files.begin(), libraries.files.end());
   assimp::add_materials(scene, *read, file, libraries.physical, limits);
   const std::vector<int> meshes = assimp::add_meshes(scene, *read, limits, name);
   assimp::add_nodes(scene, *read, meshes, extension == ".fbx" ? to_metres_and_y_up(*read) : Matrix(), limits,

@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/scene/gltf/meshopt.h"
 #include "core/scene/import.h"
+#include "core/scene/roots.h"
 
 namespace tessera::gltf {
 namespace {
@@ -164,8 +165,7 @@ class Fetcher {
   const std::string& contents_of(const std::string& uri, const std::string& part) {
     if (!tinygltf::IsDataURI(uri)) {
       const auto file = document_.file.parent_path() / percent_decoded(uri);
-      document_.storage.push_back(read_file(file, document_.limits.file_bytes - document_.bytes,
-                                            fmt::format("{}#{}", document_.file.string(), part)));
+      document_.read(file, fmt::format("{}#{}", document_.file.string(), part));
     } else {
       std::vector<unsigned char> decoded;
       std::string type;
@@ -240,6 +240,12 @@ void Document::warn_of_unknown(Scene& scene, const tinygltf::ExtensionMap& exten
     if (!is_known(name)) warn(scene, fmt::format("the extension {} is ignored", name));
 }
 
+void Document::read(const std::filesystem::path& named, std::string_view where) {
+  const std::filesystem::path allowed = within(limits.roots, named, where);
+  storage.push_back(read_file(allowed, limits.file_bytes - bytes, where));
+  files.push_back(allowed.string());
+}
+
 void Document::take(std::uint64_t more) {
   bytes += more;
   require_at_most(limits.file_bytes, bytes, "bytes in this file and its buffers", file.string());
@@ -249,7 +255,8 @@ Document open(const std::filesystem::path& file, const ImportLimits& limits, std
   Document document;
   document.file = file;
   document.limits = limits;
-  document.storage.push_back(read_file(file, limits.file_bytes, where));
+  document.read(file, where);
+  document.file = document.files.front();
   document.take(document.storage.back().size());
   const Chunks chunks = chunks_of(document.storage.back(), file.string());
   check_depth(chunks.json, file.string());

@@ -34,6 +34,7 @@ struct Document {
   std::vector<Image> images;
   std::map<int, std::string> decoded;  // bytes of buffer views that were compressed (meshopt.h)
   std::deque<std::string> storage;     // owns what is not a file of its own
+  std::vector<std::string> files;      // that were read into it; the first is `file`
   std::uint64_t bytes = 0;             // in storage and decoded
 
   // Throws InputError at "file#part", for instance "a.glb#meshes/3".
@@ -43,6 +44,8 @@ struct Document {
   // A warning for each extension that this program does not understand.
   void warn_of_unknown(Scene& scene, const tinygltf::ExtensionMap&) const;
 
+  // Reads a file to the end of `storage`, if limits.roots and limits.file_bytes allow it.
+  void read(const std::filesystem::path& file, std::string_view where);
   // Counts bytes against limits.file_bytes.
   void take(std::uint64_t more);
 };

@@ -14,6 +14,7 @@ Scene read_gltf(const std::filesystem::path& file, const ImportLimits& limits, s
   const gltf::Document document = gltf::open(file, limits, where);
   Scene scene;
   scene.name = file.stem().string();
+  scene.files = document.files;
   tinygltf::ExtensionMap used;
   for (const std::string& name : document.model.extensionsUsed) used[name];
   document.warn_of_unknown(scene, used);

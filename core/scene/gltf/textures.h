@@ -10,7 +10,8 @@ namespace tessera::gltf {
 
 class Textures {
  public:
-  Textures(Scene& scene, const Document& document) : scene_(scene), document_(document), shelf_(scene) {}
+  Textures(Scene& scene, const Document& document)
+      : scene_(scene), document_(document), shelf_(scene, document.limits.roots) {}
 
   // Of a textureInfo of the core material, or of an extension (one that is not there: no texture).
   // `material` names the user, for warnings.

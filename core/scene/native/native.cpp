@@ -14,6 +14,7 @@
 #include "core/scene/native/imports.h"
 #include "core/scene/native/library.h"
 #include "core/scene/native/parts.h"
+#include "core/scene/roots.h"
 #include "core/scene/schema.h"
 
 namespace tessera {
@@ -33,13 +34,14 @@ class Reader {
  public:
   Reader(const Node& root, ImportBudget& budget)
       : root_(root),
-        shelf_(scene_),
+        shelf_(scene_, budget.limits.roots),
         context_{scene_, shelf_, root.has("light_groups")},
         imports_(scene_, budget),
         library_(scene_),
         tally_(budget.limits) {}
 
   Scene read() {
+    scene_.files = {root_.file};
     scene_.name = root_.text("name", std::filesystem::path(root_.file).stem().string());
     for (const Node& name : list("light_groups")) declare_group(name);
     if (const auto camera = root_.find("camera")) scene_.cameras.push_back(read_camera(context_, *camera));
@@ -210,9 +212,10 @@ class Reader {
 }  // namespace
 
 Scene read_native(const std::filesystem::path& file, ImportBudget& budget, std::string_view where) {
-  const std::string name = file.string();
+  const std::filesystem::path allowed = within(budget.limits.roots, file, where);
+  const std::string name = allowed.string();
   const Json document =
-      parse_json(read_file(file, std::min(kMaxBytes, budget.limits.file_bytes), where), name);
+      parse_json(read_file(allowed, std::min(kMaxBytes, budget.limits.file_bytes), where), name);
   const Json schema = parse_json(scene_schema(), "scene.schema.json");
   check_schema(document, schema, name);
   const Node root{&document, name, ""};
