@@ -27,52 +27,66 @@ inline constexpr std::size_t kMaxListed =
 // Which of these blobs are not there, or not whole.
 struct WhichLack {
   std::vector<Digest> blobs;  // at most kMaxListed
+  bool operator==(const WhichLack&) const = default;
 };
-// `bytes` of the blob from `offset`. Pieces come in order; what was taken stays taken when the connection
-// goes.
+// `bytes` of the blob from `offset`. Pieces are taken in order, and what was taken stays taken when the
+// connection goes. Answered by Agreed if all up to the end of the piece is there now, and with the last piece
+// that the digest is right; by Lacking, which says how much is, if what comes before the piece is missing.
 struct PutPiece {
   Digest blob;
   std::uint64_t size = 0, offset = 0;  // of the whole blob; of this piece
   std::string bytes;                   // at most kPieceBytes
+  bool operator==(const PutPiece&) const = default;
 };
+// Answered by a Piece of kPieceBytes, or fewer at the blob's end; at the very end by one without bytes.
 struct GetPiece {
   Digest blob;
   std::uint64_t offset = 0;
+  bool operator==(const GetPiece&) const = default;
 };
 // The job described by the blob `submission` (core/submission.h), which is there, and so is all it refers to.
 struct Submit {
   JobName job;  // chosen by who submits
   Digest submission;
+  bool operator==(const Submit&) const = default;
 };
 struct ListJobs {
   std::uint64_t after = 0;  // JobSummary::number
+  bool operator==(const ListJobs&) const = default;
 };
 struct ShowJob {
   JobName job;
   std::uint32_t from = 0;  // place of the first frame listed
+  bool operator==(const ShowJob&) const = default;
 };
 struct ListEvents {
   JobName job;
   std::uint64_t after = 0;  // JobEvent::number
+  bool operator==(const ListEvents&) const = default;
 };
 enum class Verb : std::uint8_t { cancel, pause, resume, set_priority, verify };
 struct Control {
   JobName job;
   Verb verb = Verb::cancel;
   int value = 0;  // set_priority: 0..100; verify: how many tasks are done again
+  bool operator==(const Control&) const = default;
 };
 struct ListWorkers {
   std::string after;  // WorkerSummary::id
+  bool operator==(const ListWorkers&) const = default;
 };
 struct ReleaseWorker {  // give one that was set aside another chance
   std::string worker;
+  bool operator==(const ReleaseWorker&) const = default;
 };
 using Question = std::variant<WhichLack, PutPiece, GetPiece, Submit, ListJobs, ShowJob, ListEvents, Control,
                               ListWorkers, ReleaseWorker>;
 
 // --- Answers. ---
 
-struct Agreed {};  // it is so (now)
+struct Agreed {  // it is so (now)
+  bool operator==(const Agreed&) const = default;
+};
 struct Lacking {
   struct Blob {
     Digest blob;
@@ -80,11 +94,13 @@ struct Lacking {
     bool operator==(const Blob&) const = default;
   };
   std::vector<Blob> blobs;
+  bool operator==(const Lacking&) const = default;
 };
 struct Piece {
   Digest blob;
   std::uint64_t size = 0, offset = 0;
   std::string bytes;
+  bool operator==(const Piece&) const = default;
 };
 
 enum class JobState : std::uint8_t { queued, active, paused, completed, failed, cancelled };
@@ -102,6 +118,7 @@ struct JobSummary {
   double fraction = 0, seconds = 0;    // 0..1; since it began
   std::optional<double> seconds_left;  // expected
   std::uint64_t pixel_samples = 0, failed_tasks = 0;
+  bool operator==(const JobSummary&) const = default;
 };
 struct FrameSummary {
   int frame = 0;  // its number
@@ -115,22 +132,27 @@ struct FrameSummary {
   int columns = 0;                      // of cells
   std::vector<CellStatus> cells;        // row-major; only of active frames
   Digest image, preview;                // EXR and PNG; empty: not there (yet)
+  bool operator==(const FrameSummary&) const = default;
 };
 struct JobDetail {
   JobSummary summary;
   std::uint32_t from = 0;
   std::vector<FrameSummary> frames;
+  bool operator==(const JobDetail&) const = default;
 };
 struct JobList {
   std::vector<JobSummary> jobs;
+  bool operator==(const JobList&) const = default;
 };
 struct JobEvent {
   std::uint64_t number = 0;  // in the job, from 1
   std::int64_t when = 0;     // Unix time, ms
   std::string text;
+  bool operator==(const JobEvent&) const = default;
 };
 struct EventList {
   std::vector<JobEvent> events;
+  bool operator==(const EventList&) const = default;
 };
 struct WorkerSummary {
   std::string id, name, device_class;
@@ -138,13 +160,16 @@ struct WorkerSummary {
   double tasks_per_second = 0;
   std::uint64_t done = 0, failed = 0;
   std::string set_aside;  // why; empty: it works
+  bool operator==(const WorkerSummary&) const = default;
 };
 struct WorkerList {
   std::vector<WorkerSummary> workers;
+  bool operator==(const WorkerList&) const = default;
 };
 struct Denied {
   ExitCode code = ExitCode::bad_usage;
   std::string reason;
+  bool operator==(const Denied&) const = default;
 };
 using Reply = std::variant<Agreed, Lacking, Piece, JobList, JobDetail, EventList, WorkerList, Denied>;
 

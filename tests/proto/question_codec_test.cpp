@@ -16,9 +16,6 @@ using testing::StartsWith;
 Question round_trip(const Question& q) { return std::get<Ask>(decode(encode(Ask{1, q}))).question; }
 Reply round_trip(const Reply& r) { return std::get<Answer>(decode(encode(Answer{1, r}))).reply; }
 
-std::string bytes_of(const Question& q) { return encode(Ask{1, q}).header; }
-std::string bytes_of(const Reply& r) { return encode(Answer{1, r}).header; }
-
 std::string complaint(const Message& message) {
   try {
     decode(encode(message));
@@ -64,19 +61,19 @@ TEST(QuestionCodec, TheSamplesAreOfEveryKind) {
 }
 
 TEST(QuestionCodec, EveryFieldOfAQuestionTravels) {
-  for (const Question& q : sample_questions()) EXPECT_EQ(bytes_of(round_trip(q)), bytes_of(q)) << q.index();
+  for (const Question& q : sample_questions()) EXPECT_EQ(round_trip(q), q) << q.index();
   EXPECT_EQ(std::get<Ask>(decode(encode(Ask{1ull << 60, ListJobs{}}))).number, 1ull << 60);
 }
 
 TEST(QuestionCodec, EveryFieldOfAnAnswerTravels) {
-  for (const Reply& r : sample_replies()) EXPECT_EQ(bytes_of(round_trip(r)), bytes_of(r)) << r.index();
+  for (const Reply& r : sample_replies()) EXPECT_EQ(round_trip(r), r) << r.index();
   EXPECT_EQ(std::get<Answer>(decode(encode(Answer{1ull << 60, Agreed{}}))).number, 1ull << 60);
 }
 
 TEST(QuestionCodec, WhatIsNotKnownTravelsAsThat) {
   JobSummary job = sample_summary();
   job.seconds_left.reset();
-  EXPECT_EQ(bytes_of(round_trip(JobList{{job}})), bytes_of(Reply(JobList{{job}})));
+  EXPECT_EQ(round_trip(JobList{{job}}), Reply(JobList{{job}}));
   FrameSummary frame = sample_frame();
   frame.error.reset();
   frame.target.reset();
@@ -85,8 +82,8 @@ TEST(QuestionCodec, WhatIsNotKnownTravelsAsThat) {
   frame.columns = 0;
   frame.image.clear();
   frame.preview.clear();
-  EXPECT_EQ(bytes_of(round_trip(JobDetail{job, 0, {frame}})), bytes_of(Reply(JobDetail{job, 0, {frame}})));
-  EXPECT_EQ(bytes_of(round_trip(Question(ListWorkers{}))), bytes_of(Question(ListWorkers{})));
+  EXPECT_EQ(round_trip(JobDetail{job, 0, {frame}}), Reply(JobDetail{job, 0, {frame}}));
+  EXPECT_EQ(round_trip(Question(ListWorkers{})), Question(ListWorkers{}));
 }
 
 TEST(QuestionCodec, EveryStateAndVerbAndCodeTravels) {
@@ -99,7 +96,7 @@ TEST(QuestionCodec, EveryStateAndVerbAndCodeTravels) {
   for (const ExitCode code : {ExitCode::internal_error, ExitCode::bad_usage, ExitCode::bad_input,
                               ExitCode::out_of_memory, ExitCode::no_device, ExitCode::unreachable,
                               ExitCode::job_failed, ExitCode::stopped_at_limit, ExitCode::interrupted})
-    EXPECT_EQ(std::get<Denied>(round_trip(Denied{code, "why"})).code, code);
+    EXPECT_EQ(round_trip(Denied{code, "why"}), Reply(Denied{code, "why"}));
 }
 
 TEST(QuestionCodec, BlobsAreNamedByDigestsOnly) {
