@@ -184,9 +184,13 @@ std::vector<Work> Frame::look(const Budget& budget) {
   decision_ = decide(job_.acceptance, columns_, areas, decision_.cells, looks_, budget);
   ++looks_taken_;
   have_ = want_;
+  keep_seen();
+  return stopped() ? std::vector<Work>{} : start_round(decision_.want);
+}
+
+void Frame::keep_seen() {
   seen_ = picked(stitched_, stitched_.region(), kAll);
   seen_sums_ = picked(film_.sums(), film_.region(), seen_planes(layout()));
-  return stopped() ? std::vector<Work>{} : start_round(decision_.want);
 }
 
 CellLook Frame::look_at(std::size_t c) const {

@@ -10,19 +10,17 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <variant>
 #include <vector>
 
 #include "coordinator/progress.h"
 #include "core/acceptance.h"
 #include "core/film.h"
+#include "core/frame_snapshot.h"
 #include "core/job.h"
 #include "core/plan.h"
 #include "core/task.h"
 
 namespace tessera {
-
-using Work = std::variant<RenderTask, FilterTask>;
 
 // The image a user gets, and what is known of it: the state at the last look.
 struct FrameImage {
@@ -42,6 +40,10 @@ class Frame {
  public:
   // `awaits_history`: nothing is filtered before remember().
   explicit Frame(const Job& job, bool awaits_history = false);
+
+  // As it was when the snapshot was taken: a round has begun. It awaits its history, whether it had it then
+  // or not. Throws InputError unless the snapshot is one of this job's.
+  Frame(const Job& job, FrameSnapshot snapshot);
 
   // What it will hold in memory, at the most.
   static double bytes(const Job& job);
@@ -76,6 +78,12 @@ class Frame {
   bool fits(const RenderTask& task, const Block& block) const;
   bool fits(const FilterTask& task, const Filtered& filtered) const;
 
+  // All that it is at the begin of a round. Precondition: a round has begun, by begin() or look(), and no
+  // result of it was taken yet.
+  FrameSnapshot snapshot() const;
+  // The work of this round that can be done now, and is not in.
+  std::vector<Work> outstanding() const;
+
   FrameImage image() const;
   Progress progress(double seconds) const;
   bool seen() const { return looks_taken_ > 0; }
@@ -83,6 +91,7 @@ class Frame {
  private:
   std::vector<Work> start_round(const std::vector<int>& want);
   std::vector<Work> cell_done(std::size_t cell);
+  void keep_seen();
   CellLook look_at(std::size_t cell) const;
   std::optional<ErrorEstimate> hold_out(std::size_t cell, const Image& weight) const;
   std::size_t cell_at(int x, int y) const;

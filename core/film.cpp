@@ -167,21 +167,30 @@ Image matte(const Image& sums, const FilmLayout& layout, Aov aov) {
 Film::Film(const Region& frame, AovSet aovs)
     : layout_(aovs), sums_(frame, layout_.planes()), counts_(static_cast<std::size_t>(frame.area())) {}
 
+Film::Film(AovSet aovs, Image sums, std::vector<int> samples)
+    : layout_(aovs), sums_(std::move(sums)), counts_(std::move(samples)) {
+  assert(sums_.planes() == layout_.planes() && std::ssize(counts_) == region().area());
+}
+
 // The next block of a pixel at n samples is [0, m) if n is 0, else [n, 2n): the tree's spine.
 bool Film::continues(const Region& region, const SampleRange& range) const {
   const int n = samples(region.x0, region.y0);
   return range.begin == n && (n == 0 || range.count() == n);
 }
 
+bool Film::has(const Region& area, const SampleRange& range) const {
+  if (range.begin < samples(area.x0, area.y0)) return true;
+  for (auto it = pending_.lower_bound({area, {}}); it != pending_.end() && it->first.first == area; ++it) {
+    const SampleRange& waits = it->first.second;
+    if (waits.begin < range.end && range.begin < waits.end) return true;
+  }
+  return false;
+}
+
 bool Film::fold(Block block) {
   const Region area = block.sums.region();
   assert(region().contains(area) && !area.empty() && is_dyadic(block.samples));
-  if (block.samples.begin < samples(area.x0, area.y0)) return false;
-  const auto first = pending_.lower_bound({area, {}});
-  for (auto it = first; it != pending_.end() && it->first.first == area; ++it) {
-    const SampleRange& r = it->first.second;
-    if (r.begin < block.samples.end && block.samples.begin < r.end) return false;
-  }
+  if (has(area, block.samples)) return false;
   for (;;) {
     if (continues(area, block.samples)) {
       add(block);

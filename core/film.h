@@ -4,6 +4,7 @@
 
 #include <map>
 #include <span>
+#include <vector>
 
 #include "core/aov.h"
 #include "core/image.h"
@@ -37,6 +38,8 @@ Image matte(const Image& sums, const FilmLayout& layout, Aov);
 class Film {
  public:
   Film(const Region& frame, AovSet aovs);
+  // Goes on with the sums of a film that was settled. `samples`: of each pixel, row-major.
+  Film(AovSet aovs, Image sums, std::vector<int> samples);
 
   const Region& region() const { return sums_.region(); }
   const FilmLayout& layout() const { return layout_; }
@@ -46,6 +49,8 @@ class Film {
   // is there. Blocks of overlapping regions must have equal regions. Returns false, and changes nothing, for
   // a block whose samples are in already or pending.
   bool fold(Block block);
+  // Some of these samples of the region are in, or wait for a sibling.
+  bool has(const Region& region, const SampleRange& samples) const;
 
   // The pixel's sums hold exactly the samples [0, samples).
   int samples(int x, int y) const { return counts_[index(x, y)]; }

@@ -22,6 +22,8 @@ struct LoggedEvent {
   FrameEvent event;
   Image pixels;
 };
+// Without looking at its pixels.
+FrameEvent event_of(std::string_view header);
 // Its pixels are all 0: read into pixels.data().
 LoggedEvent event_from(std::string_view header, std::uint64_t plane_bytes);
 

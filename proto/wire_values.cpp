@@ -23,13 +23,6 @@ void to_wire(const Size& s, wire::Size& w) {
   w.set_height(s.height);
 }
 
-Region region_from(const wire::Region& w, std::string_view field) {
-  const Region r{w.x0(), w.y0(), w.x1(), w.y1()};
-  require(0 <= r.x0 && r.x0 < r.x1 && r.x1 <= kMaxEdge && 0 <= r.y0 && r.y0 < r.y1 && r.y1 <= kMaxEdge, field,
-          "is not a region with pixels inside 0 to 65536");
-  return r;
-}
-
 Size size_from(const wire::Size& w) { return {w.width(), w.height()}; }
 
 RenderSettings render_from(const wire::RenderSettings& w) {
@@ -121,9 +114,13 @@ void to_wire(const Job& job, wire::Job& w) {
   w.set_task_samples(job.task_samples);
 }
 
-void to_wire(Image&& image, wire::Planes& w, std::vector<float>& pixels) {
+void shape_to_wire(const Image& image, wire::Planes& w) {
   to_wire(image.region(), *w.mutable_region());
   w.set_planes(image.planes());
+}
+
+void to_wire(Image&& image, wire::Planes& w, std::vector<float>& pixels) {
+  shape_to_wire(image, w);
   std::vector<float> more = std::move(image).release();
   if (pixels.empty())
     pixels = std::move(more);
@@ -144,6 +141,13 @@ int whole_from(std::int64_t value, int low, int high, std::string_view field) {
 double seconds_from(double seconds, std::string_view field) {
   require(std::isfinite(seconds) && seconds >= 0, field, "is not a time");
   return seconds;
+}
+
+Region region_from(const wire::Region& w, std::string_view field) {
+  const Region r{w.x0(), w.y0(), w.x1(), w.y1()};
+  require(0 <= r.x0 && r.x0 < r.x1 && r.x1 <= kMaxEdge && 0 <= r.y0 && r.y0 < r.y1 && r.y1 <= kMaxEdge, field,
+          "is not a region with pixels inside 0 to 65536");
+  return r;
 }
 
 SampleRange samples_from(const wire::SampleRange& w, std::string_view field) {

@@ -20,12 +20,15 @@ void to_wire(const SampleRange&, wire::SampleRange&);
 void to_wire(const RenderTask&, wire::RenderTask&);
 void to_wire(const FilterTask&, wire::FilterTask&);
 void to_wire(const Job&, wire::Job&);
+// Region and number of planes.
+void shape_to_wire(const Image&, wire::Planes&);
 // Moves the image's floats to the end of `pixels`.
 void to_wire(Image&&, wire::Planes&, std::vector<float>& pixels);
 
 std::string text_from(const std::string&, std::size_t most, std::string_view field);
 int whole_from(std::int64_t value, int low, int high, std::string_view field);
 double seconds_from(double, std::string_view field);                         // finite, not negative
+Region region_from(const wire::Region&, std::string_view field);             // with pixels, in a frame
 SampleRange samples_from(const wire::SampleRange&, std::string_view field);  // a node of the sample tree
 RenderTask task_from(const wire::RenderTask&);
 FilterTask task_from(const wire::FilterTask&);
