@@ -16,6 +16,7 @@
 #include <string>
 #include <string_view>
 
+#include "coordinator/store/file.h"
 #include "core/sha256.h"
 
 namespace tessera {
@@ -34,7 +35,7 @@ class BlobStore {
 
   Digest put(std::string_view bytes);
   // Bytes one behind the other.
-  Digest put(std::span<const std::span<const std::byte>> parts);
+  Digest put(std::span<const Bytes> parts);
   // Takes the file away: moved if it is on the same file system, else copied.
   Digest put_file(const std::filesystem::path& file);
 
@@ -58,29 +59,35 @@ class BlobStore {
   // The whole blob, found to be what it is called. Otherwise it is moved aside and StoreDamaged thrown.
   std::string read(const Digest& blob);
 
+  // The same of one that is too large to be read at once.
+  void check(const Digest& blob);
+
   std::uint64_t bytes() const { return bytes_; }  // of all blobs and uploads
   // Removes blobs that are not in `referenced`, and uploads, that were last used before `before` (Unix time,
   // ms). Returns the bytes that became free.
   std::uint64_t remove_unreferenced(const std::set<Digest>& referenced, std::int64_t before);
 
  private:
-  struct Upload;
-
-  std::filesystem::path upload_path(const Digest& blob) const;
-  void require_room(std::uint64_t more) const;
-  void finish_upload(const Digest& blob, const std::string& found);
-  Sha256& hash_of(const Digest& blob, std::uint64_t have);
-  void settle(const std::filesystem::path& file, const Digest& blob);
-
-  std::filesystem::path folder_;
-  BlobOptions options_;
-  std::uint64_t bytes_ = 0;
   struct Hashed {
     Sha256 hash;
     std::uint64_t bytes = 0;
   };
+
+  std::filesystem::path upload_path(const Digest& blob) const;
+  void tidy_and_count();
+  void require_room(std::uint64_t more) const;
+  Hashed& hashed(const Digest& blob, const OpenFile& file, std::uint64_t have);
+  std::uint64_t add_piece(const Digest& blob, OpenFile& file, std::uint64_t size, std::uint64_t offset,
+                          std::string_view bytes);
+  void finish_upload(const Digest& blob, OpenFile file);
+  [[noreturn]] void set_aside(const Digest& blob, const Digest& found);
+  void settle(OpenFile file, const Digest& blob);
+
+  std::filesystem::path folder_;
+  BlobOptions options_;
+  std::uint64_t bytes_ = 0;
   std::map<Digest, Hashed>
-      hashes_;  // of uploads under way, so that they need not be read again at their ends
+      hashed_;  // of uploads under way, so that they need not be read again at their ends
 };
 
 }  // namespace tessera

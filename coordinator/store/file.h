@@ -46,6 +46,9 @@ class OpenFile {
 
 // Renames, and makes that last. Both lie in the same file system.
 void move_file(const std::filesystem::path& from, const std::filesystem::path& to, bool sync);
+// And those it lies in, for nobody else to read.
 void make_folder(const std::filesystem::path& folder);
+// A file, or a folder and all in it; there or not.
+void remove_files(const std::filesystem::path& path);
 
 }  // namespace tessera

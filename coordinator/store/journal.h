@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "coordinator/store/file.h"
+#include "coordinator/store/record_file.h"
 #include "proto/frame_codec.h"
 #include "proto/frame_log.h"
 
@@ -55,7 +56,7 @@ class Journal {
   void restart(const Checkpoint& checkpoint);
 
   // Those in the journal now, without their pixels.
-  std::vector<Accepted> accepted();
+  std::vector<Accepted> accepted() const;
 
   std::uint64_t bytes() const { return end_; }  // of the journal
 
@@ -63,8 +64,9 @@ class Journal {
   void open_highest();
   bool open(int number);
   void create(int number, const std::optional<Remembered>& remembered);
-  void write(const FrameEvent& event, const Image& pixels);
+  bool sound_checkpoint(int number) const;
   void find_end();
+  bool note(const StoredRecord& record);
   void remove_others() const;
   std::filesystem::path path(int number, std::string_view kind) const;
 

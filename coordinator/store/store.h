@@ -39,7 +39,8 @@ class Store {
   BlobStore& blobs() { return blobs_; }
   const std::filesystem::path& folder() const { return folder_; }
 
-  // Several calls as one: all of them count, or, unless commit() is reached, none. Not nested.
+  // Several calls as one: all of them count, or, unless commit() is reached, none; but for blobs and
+  // journals, which are not in the database. Not nested.
   class Transaction {
    public:
     explicit Transaction(Store& store);
@@ -83,15 +84,17 @@ class Store {
   // --- Frames under way. ---
 
   Journal journal(std::uint64_t job, std::uint32_t place, const std::string& identity);
-  // The frame has ended, or begins anew.
+  // At the begin of a round (see Journal::checkpoint_due): the journal begins anew from `checkpoint`.
+  void checkpoint(std::uint64_t job, std::uint32_t place, Journal& journal, const Checkpoint& checkpoint);
+  // The frame has ended: `frame` says how. Its journal goes.
+  void finish(std::uint64_t job, const FrameRecord& frame, Journal journal);
+  // The frame begins anew, or is not to be gone on with.
   void drop_journal(std::uint64_t job, std::uint32_t place);
-  // Journals of frames that are not active any more, left by a coordinator that was killed between a frame's
-  // end and drop_journal().
+  // Journals of frames that are not active, left by a coordinator that was killed as one ended.
   void drop_stale_journals();
 
-  // --- Accepted tasks, as journals have them when they restart or the frame ends. Twice is as once. ---
+  // --- Accepted tasks: of ended frames, and of frames under way those before their last checkpoint. ---
 
-  void add_accepted(std::uint64_t job, std::uint32_t place, std::span<const Accepted> tasks);
   std::uint64_t accepted_count(std::uint64_t job);
   std::optional<AcceptedRecord> accepted_at(std::uint64_t job, std::uint64_t index);  // 0..count
 
@@ -101,8 +104,8 @@ class Store {
 
  private:
   std::filesystem::path journal_folder(std::uint64_t job, std::uint32_t place) const;
-  template <class Work>
-  auto as_one(const Work& work);
+  bool is_active(std::uint64_t job, std::uint32_t place);
+  void add_accepted(std::uint64_t job, std::uint32_t place, std::span<const Accepted> tasks);
 
   std::filesystem::path folder_;
   std::unique_ptr<LockFile> lock_;
