@@ -36,10 +36,11 @@ void Scheduler::dispatch() {
 
 // Gives the worker a task, if there is one for it.
 Scheduler::Served Scheduler::serve(Worker& worker) {
+  if (roster_.on_trial(worker)) return Served::not_now;
   Task* task = ledger_.waiting().first_for(worker);
   if (!task && options_.endgame && worker.idle()) task = take_over_for(worker);
   if (!task) return Served::nothing;
-  if (!ledger_.fits(*task, worker)) return Served::too_much;
+  if (!ledger_.fits(*task, worker)) return Served::not_now;
   const Attempt attempt = task->attempts + 1;
   out_.push_back(AssignTask{worker.id, task->id, attempt});
   ++counts_.assigned;

@@ -185,12 +185,14 @@ void Ledger::promote(Worker& worker, Instant now) {
   }
 }
 
-// Not one that had chances enough: with ever new copies it would never be given up.
+// Not one that had chances enough: with ever new copies it would never be given up, or go to another class.
 void Ledger::list_lone(Task& task) {
   if (task.leases.size() != 1 || task.strikes >= options_.max_attempts) return;
   const book::Lease& lease = *task.leases.begin();
-  if (!lease.running) return;
   DeviceClass* kind = class_for(task);
+  const bool last_chance =
+      kind && task.strikes >= book::kClassAttempts && !roster_.anybody_else(terms_of(task));
+  if (!lease.running || last_chance) return;
   task.lone = kind ? &kind->lone : &lone_;
   task.lone->emplace(std::pair{lease.since, lease.order}, &task);
 }

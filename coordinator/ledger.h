@@ -63,6 +63,8 @@ class Ledger {
   void shelve(Worker&);
   bool has_room(const Worker&) const;
 
+  friend class Audit;
+
   SchedulerOptions options_;
   Roster& roster_;
   Waiting waiting_;

@@ -36,13 +36,15 @@ using LoneTasks = std::map<std::pair<Instant, std::uint64_t>, Task*>;
 // Whom failures are counted by: workers under one name, one after the other or at the same time.
 struct Name {
   std::string name;
-  std::vector<Worker*> workers;    // that are there
-  std::string set_aside;           // why; empty: it is not
-  bool tried = false;              // it has done something right
-  bool suspect = false;            // what it did last, it failed at
+  std::vector<Worker*> workers;  // that are there
+  std::string set_aside;         // why; empty: it is not
+  bool tried = false;            // it has done something right
+  int row = 0;                   // failures since it did something right, whoever is to blame
+  std::uint64_t last_incident = 0;
+  Instant last_failed{};
   bool steady = false;             // what it did last, it did right,
   Instant last_success{};          // then
-  std::set<std::uint64_t> proven;  // failures of late that were its own: others did what it could not
+  std::set<std::uint64_t> proven;  // those that were its own: others did what it could not
   std::string last_failure;
   std::list<Name*>::iterator place;  // among the steady ones, or those that are away
   bool away = false;
@@ -169,6 +171,7 @@ struct Job {
   bool paused = false;
   DeviceClass* filter_class = nullptr;  // that does its filter tasks; none: the first one that gets one
   std::string last_class;               // the one before, or this one
+  std::set<std::string> spoiled;        // classes all of whose workers failed at one of its filter tasks
   std::list<Task> tasks;
   std::map<std::pair<bool, Terms>, Line> lines;
 };
@@ -178,6 +181,9 @@ inline DeviceClass* class_for(const Task& task) {
   if (task.only) return task.only;
   return task.filter ? task.job->filter_class : nullptr;
 }
+
+// Strikes after which a filter task that failed on everybody of its class goes to another one.
+inline constexpr int kClassAttempts = 3;
 
 // Who may do it, as it stands.
 inline Terms terms_of(const Task& task) {

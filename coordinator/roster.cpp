@@ -10,6 +10,8 @@ namespace {
 
 // Who did something right so lately is thought to be able to do more.
 constexpr Millis kTrust{30'000};
+// How long one that failed often gets nothing, while others of its class do things right.
+constexpr Millis kTrial{10'000};
 // Names that are away are remembered for their failures, so many of them.
 constexpr std::size_t kMostAway = 4096;
 // How many steady names are looked at for one that may do a task.
@@ -139,6 +141,7 @@ void Roster::release(Name& name) {
   if (name.set_aside.empty()) return;
   name.set_aside.clear();
   name.proven.clear();
+  name.row = 0;
   --set_aside_;
   for (Worker* worker : name.workers) enable(*worker);
 }
@@ -152,7 +155,7 @@ void Roster::succeeded(Name& name) {
   name.proven.clear();
   name.last_failure.clear();
   name.last_success = now_;
-  name.suspect = false;
+  name.row = 0;
   if (name.away) return;
   if (std::exchange(name.steady, true))
     steady_.splice(steady_.end(), steady_, name.place);
@@ -160,9 +163,10 @@ void Roster::succeeded(Name& name) {
     name.place = steady_.insert(steady_.end(), &name);
 }
 
-void Roster::failed(Name& name, const std::string& reason) {
+void Roster::failed(Name& name, const std::string& reason, std::uint64_t incident) {
   unsteady(name);
-  name.suspect = true;
+  if (std::exchange(name.last_incident, incident) != incident) ++name.row;
+  name.last_failed = now_;
   name.last_failure = reason.empty() ? "no reason given" : reason;
 }
 
@@ -197,13 +201,19 @@ bool Roster::anybody_steady(const book::Terms& terms) const {
   return false;
 }
 
+bool Roster::on_trial(const Worker& worker) const {
+  const Name& name = *worker.name;
+  return options_.set_aside_after > 0 && name.row >= options_.set_aside_after &&
+         now_ - name.last_failed < kTrial && anybody_steady({worker.device_class, {}, {name.name}});
+}
+
 // A task that failed does not go to one that failed at its last, if anybody is known to do things right:
 // where many workers are broken at the same time, they would else fail it for good.
 bool Roster::may_have_special(const Worker& worker, const book::Terms& terms) const {
   if (!terms.avoid.empty() && (terms.avoid == worker.id || terms.avoid == worker.name->name)) return false;
   if (terms.failed_on.empty()) return true;
   if (std::ranges::binary_search(terms.failed_on, worker.name->name)) return !anybody_else(terms);
-  return !worker.name->suspect || !anybody_steady(terms);
+  return worker.name->row == 0 || !anybody_steady(terms);
 }
 
 }  // namespace tessera

@@ -48,7 +48,7 @@ class Roster {
   void release(Name&);
   std::size_t set_aside() const { return set_aside_; }
   void succeeded(Name&);
-  void failed(Name&, const std::string& reason);
+  void failed(Name&, const std::string& reason, std::uint64_t incident);
   // Somebody else did what failed there. True: it has failed so often that it should be set aside.
   bool convict(Name&, std::uint64_t incident);
 
@@ -56,6 +56,9 @@ class Roster {
     if (terms.device_class && terms.device_class != worker.device_class) return false;
     return terms.plain() || may_have_special(worker, terms);
   }
+  // It failed so often that it gets nothing for now: whether it is to blame turns out when others have done,
+  // or failed at, what it could not.
+  bool on_trial(const Worker&) const;
   // Somebody may do it who has not failed at it.
   bool anybody_else(const book::Terms&) const;
 

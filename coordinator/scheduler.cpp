@@ -209,26 +209,57 @@ void Scheduler::strike(Task& task, Worker& worker, const std::string& reason, st
   ++task.strikes;
   task.reason = reason;
   task.witnessed |= name.tried;
-  roster_.failed(name, reason);
+  roster_.failed(name, reason, incident);
   const auto place = std::ranges::lower_bound(task.failures, name.name, {}, &book::Failure::name);
   if (place == task.failures.end() || place->name != name.name)
     task.failures.insert(place, {name.name, incident});
 }
 
-// Workers enough have failed at it, one of which can do others; or there is no other worker.
+// Workers enough have failed at it, one of which can do others.
+bool Scheduler::poisonous(const Task& task) const {
+  return task.witnessed && static_cast<int>(task.failures.size()) >= options_.max_attempts;
+}
+
+// Or there is no other worker.
 bool Scheduler::hopeless(const Task& task) const {
   const int most = options_.max_attempts;
   if (task.strikes < most) return false;
-  if (static_cast<int>(task.failures.size()) >= most && task.witnessed) return true;
   constexpr int kPatience = 3;  // workers none of which ever did anything prove little
   return task.strikes >= kPatience * std::int64_t(most) || !roster_.anybody_else(terms_of(task));
 }
 
+// If the only workers of a class are broken, others can still filter the frame.
+bool Scheduler::try_another_class(Task& task) {
+  Job& job = *task.job;
+  DeviceClass* old = job.filter_class;
+  book::Terms terms = terms_of(task);
+  if (!task.filter || task.only || !old ||
+      task.strikes < std::min(book::kClassAttempts, options_.max_attempts) || roster_.anybody_else(terms))
+    return false;
+  job.spoiled.insert(old->name);
+  for (auto& [name, kind] : roster_.classes()) {
+    terms.device_class = &kind;
+    if (job.spoiled.contains(name) || !roster_.anybody_else(terms)) continue;
+    for (Task& other : job.tasks)
+      if (other.filter && !other.only && !other.leases.empty()) {
+        revoke_all(other);
+        ledger_.wait(other);
+      }
+    out_.push_back(ClassChanged{job.id, old->name, name});
+    ledger_.choose_class(job, &kind);
+    task.strikes = 0;
+    return true;
+  }
+  return false;
+}
+
 // The worker has it no more. If nobody has, it waits again, unless it had chances enough.
 void Scheduler::release(Task& task, Worker& worker) {
+  if (!task.leases.of(worker)) return;
   ledger_.take_back(task, worker, now_);
   if (!task.leases.empty()) return;
-  if (hopeless(task)) return give_up(task, task.reason, false);
+  if (poisonous(task) || (!try_another_class(task) && hopeless(task)))
+    return give_up(task, task.reason, false);
   ++counts_.retried;
   ledger_.wait(task);
 }

@@ -38,7 +38,7 @@ class Scheduler {
   using Name = book::Name;
   using Task = book::Task;
   using Worker = book::Worker;
-  enum class Served : std::uint8_t { yes, too_much, nothing };
+  enum class Served : std::uint8_t { yes, not_now, nothing };
   struct Turn {  // the next worker of a class to be asked, while tasks are given out
     DeviceClass* kind;
     book::Room next;
@@ -64,7 +64,9 @@ class Scheduler {
   bool may_answer(const Task&, const WorkerId&, const Worker*) const;
   void learn(Worker&, const Task&, double seconds);
   void strike(Task&, Worker&, const std::string& reason, std::uint64_t incident);
+  bool poisonous(const Task&) const;
   bool hopeless(const Task&) const;
+  bool try_another_class(Task&);
   void convict(const std::vector<book::Failure>&, const Name* but);
   void set_aside(Name&);
   void release(Task&, Worker&);
@@ -86,6 +88,8 @@ class Scheduler {
   Task* double_for(const Worker&);
   void take_over(Task&);
   void entrust(Task&, Worker&, Attempt);
+
+  friend class Audit;  // of tests, which look into the books
 
   SchedulerOptions options_;
   Roster roster_;

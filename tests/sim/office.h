@@ -11,6 +11,7 @@
 
 #include "coordinator/scheduler.h"
 #include "proto/transport.h"
+#include "tests/sim/audit.h"
 
 namespace tessera::sim {
 
@@ -34,10 +35,12 @@ class Office {
 
   void submit(const std::vector<Task>& tasks, Instant now) {
     Submitted event;
-    for (const Task& t : tasks) {
-      tasks_[t.id] = t;
-      event.tasks.push_back({t.id, t.job});
-    }
+    for (const Task& t : tasks) event.tasks.push_back({t.id, t.job});
+    submit(event, now);
+  }
+
+  void submit(const Submitted& event, Instant now) {
+    for (const Wish& wish : event.tasks) tasks_[wish.task] = task_of(wish.task, wish.job);
     handle(event, now);
   }
 
@@ -57,7 +60,7 @@ class Office {
     const WorkerId& from = mail.from;
     if (const auto* m = std::get_if<Hello>(&mail.message)) {
       road_.send(from, Welcome{kProtocolVersion, heartbeat_});
-      handle(Joined{from, m->slots}, now);
+      handle(Joined{from, m->slots, m->device_class, m->name}, now);
     } else if (const auto* beat = std::get_if<Heartbeat>(&mail.message)) {
       handle(Heard{from, beat->held}, now);
     } else if (const auto* need = std::get_if<NeedJob>(&mail.message)) {
@@ -68,7 +71,7 @@ class Office {
         road_.send(from, JobOffer{need->id, Job{}});
     } else if (auto* done = std::get_if<RenderDone>(&mail.message)) {
       result_ = std::move(done->block);
-      handle(Done{from, done->task, done->attempt}, now);
+      handle(Done{from, done->task, done->attempt, done->seconds}, now);
     } else if (const auto* failed = std::get_if<TaskFailed>(&mail.message)) {
       handle(Failed{from, failed->task, failed->attempt, failed->reason, failed->bad_input}, now);
     } else if (std::holds_alternative<Goodbye>(mail.message)) {
@@ -79,7 +82,9 @@ class Office {
   }
 
   void handle(const Event& event, Instant now) {
-    for (const Command& command : scheduler_.handle(event, now)) carry_out(command);
+    const std::vector<Command> commands = scheduler_.handle(event, now);
+    if (audited) Audit(scheduler_).check(commands);
+    for (const Command& command : commands) carry_out(command);
   }
 
   std::size_t open() const { return tasks_.size() - accepted.size() - given_up.size() - withdrawn_open(); }
@@ -88,8 +93,10 @@ class Office {
   std::set<TaskId> accepted;
   std::map<TaskId, GiveUp> given_up;
   std::vector<WorkerId> forgotten;
-  std::uint64_t assigned = 0, revoked = 0;
-  bool closed = false;  // answers NeedJob with JobOver
+  std::uint64_t assigned = 0, revoked = 0, class_changes = 0;
+  std::set<std::string> set_aside;  // names that ever were
+  bool audited = false;             // the books are checked after each event
+  bool closed = false;              // answers NeedJob with JobOver
 
  private:
   std::size_t withdrawn_open() const {
@@ -117,6 +124,10 @@ class Office {
       forgotten.push_back(f->worker);
     } else if (const auto* ask = std::get_if<AskHello>(&command)) {
       road_.send(ask->worker, Unknown{});
+    } else if (const auto* aside = std::get_if<SetAside>(&command)) {
+      set_aside.insert(aside->name);
+    } else if (std::holds_alternative<ClassChanged>(command)) {
+      ++class_changes;
     }
   }
 

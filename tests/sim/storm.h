@@ -34,6 +34,8 @@ struct Habits {
   bool hangs = false;       // never finishes anything, but goes on talking
   Instant::duration work_min{std::chrono::milliseconds(1)}, work_max{std::chrono::milliseconds(80)};
   std::function<bool(TaskId)> breaks = {}, kills = {};  // tasks it cannot do, or does not survive
+  std::string device_class = {}, name = {};
+  std::function<Instant::duration(TaskId)> work = {};  // how long a task takes it; none: by chance, see above
 };
 
 // One worker: an Agent, and slots in which work takes virtual time.
@@ -45,9 +47,11 @@ class Actor {
         random_(seed),
         road_(road.join(id_)),
         agent_({.slots = habits.slots,
+                .device_class = habits.device_class,
                 .hello_first = Millis{50},
                 .hello_last = Millis{400},
-                .silence = Millis{1500}}),
+                .silence = Millis{1500},
+                .name = habits.name}),
         slots_(habits.slots) {
     handle(Agent::Started{}, now);
   }
@@ -83,11 +87,16 @@ class Actor {
   struct Slot {
     bool busy = false, cancelled = false;
     Task task;
-    Instant ends{};
+    Instant ends{}, began{};
   };
 
   bool over() const { return dead_ || stopped_; }
   double chance() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
+
+  Instant::duration some_work() {
+    const auto spread = static_cast<double>((habits_.work_max - habits_.work_min).count());
+    return habits_.work_min + Instant::duration(std::int64_t(spread * chance()));
+  }
 
   void die() {
     dead_ = true;
@@ -102,7 +111,9 @@ class Actor {
       return handle(Agent::Broke{i, "broke down", false}, now);
     ++finished_;
     if (habits_.death == Death::before_sending && finished_ == 2) return die();
-    handle(Agent::Finished{i, right_answer(slot.task)}, now);
+    RenderDone answer = right_answer(slot.task);
+    answer.seconds = std::chrono::duration<double>(now - slot.began).count();
+    handle(Agent::Finished{i, std::move(answer)}, now);
     if (habits_.death == Death::after_sending && finished_ == 2) die();
   }
 
@@ -123,9 +134,8 @@ class Actor {
     } else if (const auto* start = std::get_if<Agent::Start>(&command)) {
       EXPECT_FALSE(slots_[start->slot].busy) << "a slot was given two tasks";
       if (habits_.death == Death::at_work && ++started_ == 2) return die();
-      const auto spread = static_cast<double>((habits_.work_max - habits_.work_min).count());
-      const Instant::duration work = habits_.work_min + Instant::duration(std::int64_t(spread * chance()));
-      slots_[start->slot] = {true, false, start->task, habits_.hangs ? Instant::max() : now + work};
+      const Instant::duration work = habits_.work ? habits_.work(start->task.id) : some_work();
+      slots_[start->slot] = {true, false, start->task, habits_.hangs ? Instant::max() : now + work, now};
     } else if (const auto* cancel = std::get_if<Agent::Cancel>(&command)) {
       EXPECT_TRUE(slots_[cancel->slot].busy) << "nothing to cancel";
       slots_[cancel->slot].cancelled = true;

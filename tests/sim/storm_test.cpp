@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Thousands of small farms in bad weather. A failure prints the seed that makes it again.
-#include "tests/sim/storm.h"
-
 #include <gmock/gmock.h>
+
+#include "tests/sim/seeds.h"
+#include "tests/sim/storm.h"
 
 namespace tessera::sim {
 namespace {
@@ -39,23 +40,12 @@ std::vector<Task> tasks(TaskId first, TaskId last) {
   return all;
 }
 
-class Storms : public testing::TestWithParam<int> {
- protected:
-  static constexpr int kSeeds = 250;  // in each of the parts that ctest runs apart
-  template <class Body>
-  void for_each_seed(Body body) {
-    for (int i = 0; i < kSeeds; ++i) {
-      const std::uint64_t seed = static_cast<std::uint64_t>(GetParam()) * kSeeds + i;
-      SCOPED_TRACE("seed " + std::to_string(seed));
-      body(seed);
-      if (HasFailure()) return;
-    }
-  }
-};
-INSTANTIATE_TEST_SUITE_P(Part, Storms, testing::Range(0, 8));
+constexpr int kUsually = 250;  // seeds in each part
+class Storms : public Seeds {};
+INSTANTIATE_TEST_SUITE_P(Part, Storms, testing::Range(0, kParts));
 
 TEST_P(Storms, EveryTaskIsAcceptedExactlyOnceWhoeverDiesAndWhateverIsLost) {
-  for_each_seed([](std::uint64_t seed) {
+  for_each_seed(kUsually, [](std::uint64_t seed) {
     Storm storm(seed, bad_weather(seed), kQuick);
     const TaskId last = 2 + storm.pick(60);
     storm.hire({.slots = 1 + storm.pick(2)});  // one that lives, or nothing could be promised
@@ -76,7 +66,7 @@ TEST_P(Storms, EveryTaskIsAcceptedExactlyOnceWhoeverDiesAndWhateverIsLost) {
 }
 
 TEST_P(Storms, WorkComesInRoundsIsWithdrawnAndWorkersComeAndGo) {
-  for_each_seed([](std::uint64_t seed) {
+  for_each_seed(kUsually, [](std::uint64_t seed) {
     Storm storm(seed, bad_weather(seed), kQuick);
     storm.hire({.slots = 2});
     for (int i = 0; i < 3; ++i) {
@@ -104,7 +94,7 @@ TEST_P(Storms, WorkComesInRoundsIsWithdrawnAndWorkersComeAndGo) {
 }
 
 TEST_P(Storms, TasksThatAlwaysFailAreGivenUpAndOnlyThose) {
-  for_each_seed([](std::uint64_t seed) {
+  for_each_seed(kUsually, [](std::uint64_t seed) {
     SchedulerOptions options = kQuick;
     options.max_attempts = 3;
     Storm storm(seed, bad_weather(seed), options);
@@ -120,7 +110,7 @@ TEST_P(Storms, TasksThatAlwaysFailAreGivenUpAndOnlyThose) {
 }
 
 TEST_P(Storms, TasksThatKillTheirWorkersAreGivenUpAndOnlyThose) {
-  for_each_seed([](std::uint64_t seed) {
+  for_each_seed(kUsually, [](std::uint64_t seed) {
     SchedulerOptions options = kQuick;
     options.max_attempts = 3;
     options.endgame = false;
