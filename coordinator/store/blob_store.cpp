@@ -90,7 +90,8 @@ BlobStore::BlobStore(fs::path folder, BlobOptions options) : folder_(std::move(f
   tidy_and_count();
 }
 
-// What was being written when the process ended goes.
+// What was being written when the process ended goes. Of uploads that is their last byte: one that had all
+// its bytes, but was not found whole yet, must not seem to lack nothing.
 void BlobStore::tidy_and_count() {
   std::vector<fs::path> left;
   each_blob(folder_ / "blobs", [&](const fs::path& file, const std::string& name) {
@@ -99,7 +100,12 @@ void BlobStore::tidy_and_count() {
     else
       left.push_back(file);
   });
-  for (const auto& file : fs::directory_iterator(folder_ / "uploads")) bytes_ += size_or_none(file.path());
+  for (const auto& entry : fs::directory_iterator(folder_ / "uploads")) {
+    OpenFile upload(entry.path(), OpenFile::Mode::write);
+    const std::uint64_t size = upload.size();
+    if (size > 0) upload.truncate(size - 1);
+    bytes_ += upload.size();
+  }
   for (const fs::path& file : left) remove_files(file);
 }
 

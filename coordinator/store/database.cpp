@@ -13,10 +13,10 @@ namespace {
 constexpr std::string_view kRemedy =
     "; move it aside and start again: files and journals beside it are kept, jobs have to be submitted again";
 
+// SQLite knows ENOSPC. A quota (EDQUOT) or a limit on files (EFBIG) is to it a write that failed; but for
+// EIO, that of a broken disk, there is no other reason for one.
 bool means_full(int result, int system_error) {
-  if ((result & 0xff) == SQLITE_FULL) return true;
-  const bool no_room = system_error == ENOSPC || system_error == EDQUOT || system_error == EFBIG;
-  return (result & 0xff) == SQLITE_IOERR && no_room;
+  return (result & 0xff) == SQLITE_FULL || (result == SQLITE_IOERR_WRITE && system_error != EIO);
 }
 
 }  // namespace

@@ -107,17 +107,30 @@ TEST(BlobStore, PiecesMakeABlobWhicheverOfThemComeTwiceOrTooEarly) {
   EXPECT_TRUE(fs::is_empty(folder.path() / "uploads"));
 }
 
-TEST(BlobStore, AnUploadGoesOnWhereItWasWhenTheStoreWasClosed) {
+TEST(BlobStore, AnUploadGoesOnAByteBeforeWhereItWasWhenTheStoreWasClosed) {
   Folder folder;
   const std::string bytes = some_bytes(5000);
   const Digest blob = sha256(bytes);
-  for (std::size_t at = 0; at < bytes.size(); at += 1000) {
+  for (std::size_t at = 0; at < bytes.size(); at += 999) {
     BlobStore store(folder.path());
     ASSERT_EQ(store.known(blob).have, at);
     EXPECT_EQ(store.bytes(), at);
     store.take_piece(blob, bytes.size(), at, std::string_view(bytes).substr(at, 1000));
   }
   EXPECT_EQ(BlobStore(folder.path()).read(blob), bytes);
+}
+
+TEST(BlobStore, AnUploadOfWhichAllCameButThatWasNotFoundWholeLacksSomething) {
+  Folder folder;
+  { BlobStore store(folder.path()); }
+  const std::string bytes = some_bytes(5000);
+  const Digest blob = sha256(bytes);
+  write_file(folder.path() / "uploads" / blob, bytes);
+  BlobStore store(folder.path());
+  const std::uint64_t have = store.known(blob).have;
+  EXPECT_LT(have, bytes.size());
+  EXPECT_EQ(store.take_piece(blob, bytes.size(), have, std::string_view(bytes).substr(have)), bytes.size());
+  EXPECT_EQ(store.read(blob), bytes);
 }
 
 TEST(BlobStore, PiecesOfSomethingElseAreThrownAwayAndThatIsSaid) {
