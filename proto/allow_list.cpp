@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/nearest.h"
+#include "proto/codec.h"
 #include "proto/key_lines.h"
 #include "proto/keys.h"
 
@@ -16,7 +17,7 @@ namespace {
 constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
 
 bool is_name(std::string_view name) {
-  return !name.empty() && name.size() <= 32 && name.find_first_not_of(kLetters) == name.npos &&
+  return !name.empty() && name.size() <= kMaxKeyName && name.find_first_not_of(kLetters) == name.npos &&
          name != "local";
 }
 

@@ -242,9 +242,16 @@ Message decode(const Packet& packet) {
   return decode(std::span(parts).first(packet.pixels.empty() ? 1 : 2));
 }
 
-bool is_worker_id(std::string_view id) {
-  return !id.empty() && id.size() <= 64 &&
-         std::ranges::all_of(id, [](char c) { return c > ' ' && c < 0x7f; });
+namespace {
+
+bool is_word(std::string_view text, std::size_t longest) {
+  return !text.empty() && text.size() <= longest &&
+         std::ranges::all_of(text, [](char c) { return c > ' ' && c < 0x7f; });
 }
+
+}  // namespace
+
+bool is_worker_id(std::string_view id) { return is_word(id, kMaxWorkerId); }
+bool is_peer(std::string_view peer) { return is_word(peer, kMaxKeyName + 1 + kMaxWorkerId); }
 
 }  // namespace tessera

@@ -25,7 +25,8 @@ struct Packet {
 // What a receiver accepts.
 inline constexpr std::size_t kMaxHeaderBytes = 1 << 20;
 inline constexpr int kMaxParts = 2;
-inline constexpr int kMaxPlanes = 1024;  // a film of every AOV has 576
+inline constexpr int kMaxPlanes = 1024;                            // a film of every AOV has 576
+inline constexpr std::size_t kMaxWorkerId = 64, kMaxKeyName = 32;  // characters
 inline constexpr int kMaxSlots = 4096;
 inline constexpr int kMaxHeld = 16384;         // entries of a heartbeat
 inline constexpr std::size_t kMaxText = 4096;  // bytes of a path or a reason
@@ -51,5 +52,9 @@ Message decode(const Packet& packet);
 
 // True if `id` may name a worker: 1 to 64 printable ASCII characters, no space.
 bool is_worker_id(std::string_view id);
+
+// True if a coordinator may call a peer so: by a worker's id, behind "NAME/" if it came with a key of that
+// name.
+bool is_peer(std::string_view peer);
 
 }  // namespace tessera

@@ -84,12 +84,12 @@ Control control(const wire::Control& w) {
 }
 
 ListWorkers list_workers(const wire::ListWorkers& w) {
-  require(w.after().empty() || is_worker_id(w.after()), "after", "is no worker's id");
+  require(w.after().empty() || is_peer(w.after()), "after", "is no worker's id");
   return {w.after()};
 }
 
 ReleaseWorker release_worker(const wire::ReleaseWorker& w) {
-  require(is_worker_id(w.worker()), "worker", "is no worker's id");
+  require(is_peer(w.worker()), "worker", "is no worker's id");
   return {w.worker()};
 }
 

@@ -162,7 +162,7 @@ FrameSummary summary_from(const wire::FrameSummary& w) {
 }
 
 WorkerSummary summary_from(const wire::WorkerSummary& w) {
-  require(is_worker_id(w.id()), "id", "is no worker's id");
+  require(is_peer(w.id()), "id", "is no worker's id");
   return {.id = w.id(),
           .name = text_from(w.name(), kMaxName, "name"),
           .device_class = text_from(w.device_class(), kMaxName, "device_class"),

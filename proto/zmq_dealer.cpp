@@ -18,6 +18,7 @@ constexpr Millis kFirstPause{100}, kLastPause{5000};  // before another try to c
 
 std::string reason_of(Handshake::End end, bool keys, const std::string& own, const std::string& server) {
   switch (end) {
+    case Handshake::End::accepted:
     case Handshake::End::good:
       return {};
     case Handshake::End::unknown_key:
@@ -28,8 +29,11 @@ std::string reason_of(Handshake::End end, bool keys, const std::string& own, con
     case Handshake::End::broken:
       break;
   }
-  return keys ? fmt::format("the coordinator broke off: its public key is not {}", server)
-              : "what listens there is no coordinator";
+  return keys ? fmt::format(
+                    "the coordinator broke off: its public key is not {}, or it was started without keys",
+                    server)
+              : "what listens there broke off: it wants keys (see 'tessera keygen --help'), or is no "
+                "coordinator";
 }
 
 }  // namespace

@@ -79,8 +79,9 @@ void ZmqDoor::answer(const std::function<bool(std::string_view)>& knows,
 ZmqMonitor::ZmqMonitor(zmq::context_t& context, zmq::socket_t& watched)
     : watched_(watched), socket_(context, zmq::socket_type::pair) {
   const std::string name = fmt::format("inproc://handshakes-{}", static_cast<void*>(watched.handle()));
-  const int events = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
-                     ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
+  const int events = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED |
+                     ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
+                     ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
   if (zmq_socket_monitor(watched.handle(), name.c_str(), events) != 0)
     throw Error(ExitCode::internal_error, fmt::format("cannot watch a socket: {}", zmq_strerror(errno)));
   socket_.set(zmq::sockopt::linger, 0);
@@ -102,6 +103,7 @@ std::optional<Handshake> ZmqMonitor::next() {
     std::memcpy(&what, event[0].data(), sizeof what);
     std::memcpy(&detail, event[0].data<char>() + sizeof what, sizeof detail);
     using End = Handshake::End;
+    if (what == ZMQ_EVENT_ACCEPTED) return Handshake{End::accepted};
     if (what == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) return Handshake{End::good};
     if (what == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) return Handshake{End::unknown_key};
     return Handshake{detail == ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH ? End::no_agreement : End::broken};

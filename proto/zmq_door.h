@@ -31,12 +31,13 @@ class ZmqDoor {
 
 struct Handshake {
   enum class End : std::uint8_t {
+    accepted,  // nothing yet: somebody has connected
     good,
     unknown_key,   // the other end knows the key of this one not
     no_agreement,  // one end has keys and the other has none
     broken         // broke off: a wrong server key, damage, noise
   };
-  End end = End::good;
+  End end = End::accepted;
 };
 
 // To be destroyed before the socket that it watches.

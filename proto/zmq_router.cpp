@@ -42,6 +42,8 @@ enum Count : std::size_t {
   too_large,
   too_fast,
   unsent,
+  connections,
+  let_in,
   refused_keys,
   refused_handshakes,
   kCounts
@@ -92,11 +94,22 @@ struct ZmqRouter::Inside {
     if (door)
       door->answer([&](std::string_view key) { return gate.allowed()->find(key) != nullptr; },
                    [&](std::string_view why) { drop(refused_keys, why); });
-    while (const auto end = monitor.next())
-      if (end->end == Handshake::End::no_agreement)
-        drop(refused_handshakes, "a connection: its other end and this one do not both use keys");
-      else if (end->end == Handshake::End::broken)
-        drop(refused_handshakes, "a connection: broke off before it had shown its key");
+    while (const auto shaken = monitor.next()) note(shaken->end);
+  }
+
+  void note(Handshake::End end) {
+    switch (end) {
+      case Handshake::End::accepted:
+        return count(connections);
+      case Handshake::End::good:
+        return count(let_in);
+      case Handshake::End::unknown_key:
+        return;  // the door has counted it
+      case Handshake::End::no_agreement:
+        return drop(refused_handshakes, "a connection: its other end and this one do not both use keys");
+      case Handshake::End::broken:
+        return drop(refused_handshakes, "a connection: it broke off, or what came over it was damaged");
+    }
   }
 
   void renew(const std::vector<std::string>& endpoints) {
@@ -235,9 +248,19 @@ void ZmqRouter::reload(ServerKeys keys) {
 
 RouterCounts ZmqRouter::counts() const {
   const auto of = [&](Count what) { return inside_->counts[what].load(std::memory_order_relaxed); };
-  return {of(received),          of(received_bytes), of(alien),    of(bad_id), of(unknown_key),
-          of(no_right),          of(too_large),      of(too_fast), of(unsent), of(refused_keys),
-          of(refused_handshakes)};
+  return {.received = of(received),
+          .received_bytes = of(received_bytes),
+          .alien = of(alien),
+          .bad_id = of(bad_id),
+          .unknown_key = of(unknown_key),
+          .no_right = of(no_right),
+          .too_large = of(too_large),
+          .too_fast = of(too_fast),
+          .unsent = of(unsent),
+          .connections = of(connections),
+          .let_in = of(let_in),
+          .refused_keys = of(refused_keys),
+          .refused_handshakes = of(refused_handshakes)};
 }
 
 std::uint64_t ZmqRouter::dropped() const {

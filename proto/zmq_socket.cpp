@@ -33,8 +33,6 @@ bool is_loopback(std::string_view endpoint) {
 
 namespace {
 
-constexpr int kDeadConnection = 60'000;  // ms without a sign of life; longer than the largest part takes
-
 // The floats themselves become the message; ZeroMQ frees them when they have left.
 zmq::message_t part_of(std::vector<float>&& pixels) {
   auto owner = std::make_unique<std::vector<float>>(std::move(pixels));
@@ -61,8 +59,8 @@ ZmqSocket::ZmqSocket(ZmqContext& context, zmq::socket_type type, const ZmqOption
   socket_.set(zmq::sockopt::rcvhwm, options.high_water);
   socket_.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(options.max_part_bytes));
   socket_.set(zmq::sockopt::linger, router ? 0 : static_cast<int>(options.linger.count()));
-  socket_.set(zmq::sockopt::heartbeat_ivl, kDeadConnection / 4);
-  socket_.set(zmq::sockopt::heartbeat_timeout, kDeadConnection);
+  socket_.set(zmq::sockopt::heartbeat_ivl, static_cast<int>(options.dead.count()) / 4);
+  socket_.set(zmq::sockopt::heartbeat_timeout, static_cast<int>(options.dead.count()));
 }
 
 ZmqSocket::~ZmqSocket() { close(bell_); }

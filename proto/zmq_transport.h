@@ -40,6 +40,7 @@ struct ZmqOptions {
   // dropped.
   int high_water = 1024;
   std::size_t max_part_bytes = kMaxPixelBytes;
+  Millis dead{60'000};     // without a sign of life; longer than the largest part takes
   Millis linger{250};      // how long a worker's last words may take to leave after it has gone
   GateLimits limits = {};  // of a router
   // Called in receive() for mail that was dropped, and for peers that were not let in, with the reason.
@@ -55,7 +56,10 @@ struct RouterCounts {
   std::uint64_t too_large = 0;                     // dropped: for the key's role
   std::uint64_t too_fast = 0;                      // dropped: beyond the rate of a connection
   std::uint64_t unsent = 0;                        // to peers: no memory
-  std::uint64_t refused_keys = 0;                  // connections refused: their key is not on the allow-list
+  // Connections made over a wire, and those of them that were let in: what is missing was refused, or is
+  // about to be. Why, where ZeroMQ says so:
+  std::uint64_t connections = 0, let_in = 0;
+  std::uint64_t refused_keys = 0;        // connections refused: their key is not on the allow-list
   std::uint64_t refused_handshakes = 0;  // connections refused: no CURVE, another server key, damaged, noise
 };
 

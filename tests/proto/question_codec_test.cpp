@@ -127,6 +127,7 @@ TEST(QuestionCodec, JobsAndWorkersAreNamedAsTheyMayBe) {
   EXPECT_THAT(asked(ReleaseWorker{"a b"}), StartsWith("message: worker"));
   EXPECT_THAT(asked(ListWorkers{"a b"}), StartsWith("message: after"));
   EXPECT_THAT(of_worker([](WorkerSummary& s) { s.id = "a b"; }), StartsWith("message: id"));
+  EXPECT_THAT(of_worker([](WorkerSummary& s) { s.id = std::string(98, 'x'); }), StartsWith("message: id"));
 }
 
 TEST(QuestionCodec, PiecesLieWithinTheirBlobs) {
