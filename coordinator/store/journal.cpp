@@ -202,16 +202,13 @@ void Journal::restart(const Checkpoint& checkpoint) {
   remove_others();
 }
 
-std::vector<Accepted> Journal::accepted() const {
-  std::vector<Accepted> all;
+void Journal::each_accepted(const std::function<void(std::string_view)>& visit) const {
   for (std::uint64_t at = begin_; at < end_;) {
     const auto record = read_record(file_, at);
     if (!record) throw StoreDamaged(file_.path(), "is not what it was");
-    FrameEvent event = event_of(record->header);
-    if (auto* accepted = std::get_if<Accepted>(&event)) all.push_back(std::move(*accepted));
+    if (record->plane_bytes > 0) visit(record->header);
     at = record->end();
   }
-  return all;
 }
 
 }  // namespace tessera

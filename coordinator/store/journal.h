@@ -55,9 +55,10 @@ class Journal {
   // All that came before is forgotten but what the frame before kept. At once, seen from a kill.
   void restart(const Checkpoint& checkpoint);
 
-  // Those in the journal now, without their pixels.
-  std::vector<Accepted> accepted() const;
+  // Calls `visit` with event_of()'s bytes for each Accepted that is in the journal now.
+  void each_accepted(const std::function<void(std::string_view)>& visit) const;
 
+  int number() const { return number_; }        // grows with each restart
   std::uint64_t bytes() const { return end_; }  // of the journal
 
  private:

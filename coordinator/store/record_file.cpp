@@ -17,6 +17,7 @@ static_assert(std::endian::native == std::endian::little, "records are kept as t
 constexpr std::uint32_t kMagic = 0x31435354;  // "TSC1"
 constexpr std::uint32_t kMaxHeader = 1u << 28;
 constexpr std::size_t kBuffer = std::size_t{1} << 20;
+constexpr std::size_t kProbe = 512;  // a prefix and most headers
 
 struct Prefix {
   std::uint32_t magic = kMagic;
@@ -65,20 +66,23 @@ std::uint64_t write_record(OpenFile& file, std::uint64_t offset, std::string_vie
 }
 
 std::optional<StoredRecord> read_record(const OpenFile& file, std::uint64_t offset) {
+  std::array<std::byte, kProbe> probe;
+  const std::size_t probed = file.read(offset, probe);
   Prefix prefix;
-  const std::uint64_t size = file.size();
-  if (file.read(offset, std::as_writable_bytes(std::span(&prefix, 1))) != sizeof prefix) return std::nullopt;
-  const std::uint64_t left = size - std::min(size, offset + sizeof prefix);
+  if (probed < sizeof prefix) return std::nullopt;
+  std::memcpy(&prefix, probe.data(), sizeof prefix);
+  const std::uint64_t size = file.size(), begin = offset + sizeof prefix, left = size - std::min(size, begin);
   if (prefix.magic != kMagic || prefix.header_bytes > std::min<std::uint64_t>(left, kMaxHeader) ||
       prefix.plane_bytes > left - prefix.header_bytes)
     return std::nullopt;
   StoredRecord record{.header = std::string(prefix.header_bytes, '\0'),
-                      .planes_at = offset + sizeof prefix + prefix.header_bytes,
+                      .planes_at = begin + prefix.header_bytes,
                       .plane_bytes = prefix.plane_bytes,
                       .checksum = std::string(prefix.checksum.begin(), prefix.checksum.end())};
-  if (file.read(offset + sizeof prefix, std::as_writable_bytes(std::span(record.header))) !=
-      prefix.header_bytes)
-    return std::nullopt;
+  const std::size_t there = std::min<std::size_t>(probed - sizeof prefix, prefix.header_bytes);
+  std::memcpy(record.header.data(), probe.data() + sizeof prefix, there);
+  const auto rest = std::as_writable_bytes(std::span(record.header)).subspan(there);
+  if (!rest.empty() && file.read(begin + there, rest) != rest.size()) return std::nullopt;
   return record;
 }
 

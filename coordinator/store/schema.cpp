@@ -30,7 +30,8 @@ CREATE TABLE events(
   moment INTEGER NOT NULL, text TEXT NOT NULL, PRIMARY KEY(job, number)) WITHOUT ROWID;
 CREATE TABLE accepted(
   job INTEGER NOT NULL REFERENCES jobs(number) ON DELETE CASCADE, place INTEGER NOT NULL,
-  work TEXT NOT NULL, result BLOB NOT NULL, PRIMARY KEY(job, place, work)) WITHOUT ROWID;
+  journal INTEGER NOT NULL, part INTEGER NOT NULL, tasks INTEGER NOT NULL, headers BLOB NOT NULL,
+  PRIMARY KEY(job, place, journal, part)) WITHOUT ROWID;
 )";
 
 std::int64_t pragma(Database& database, std::string_view sql) {

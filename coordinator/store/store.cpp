@@ -62,21 +62,24 @@ Journal Store::journal(std::uint64_t job, std::uint32_t place, const std::string
   return Journal(journal_folder(job, place), identity);
 }
 
-void Store::drop_journal(std::uint64_t job, std::uint32_t place) { remove_files(journal_folder(job, place)); }
+void Store::drop_journal(std::uint64_t job, std::uint32_t place) {
+  remove_files(journal_folder(job, place));
+  database_->run("DELETE FROM accepted WHERE job = ? AND place = ?", job, place);
+}
 
 void Store::checkpoint(std::uint64_t job, std::uint32_t place, Journal& journal,
                        const Checkpoint& checkpoint) {
-  add_accepted(job, place, journal.accepted());
+  add_accepted(job, place, journal);
   journal.restart(checkpoint);
 }
 
 void Store::finish(std::uint64_t job, const FrameRecord& frame, Journal journal) {
   as_one(*database_, [&] {
-    add_accepted(job, frame.place, journal.accepted());
+    add_accepted(job, frame.place, journal);
     save(job, frame);
   });
   if (database_->in_transaction()) return;  // it may not count in the end; drop_stale_journals() sees to it
-  drop_journal(job, frame.place);
+  remove_files(journal_folder(job, frame.place));
 }
 
 void Store::drop_stale_journals() {

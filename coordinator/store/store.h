@@ -88,7 +88,7 @@ class Store {
   void checkpoint(std::uint64_t job, std::uint32_t place, Journal& journal, const Checkpoint& checkpoint);
   // The frame has ended: `frame` says how. Its journal goes.
   void finish(std::uint64_t job, const FrameRecord& frame, Journal journal);
-  // The frame begins anew, or is not to be gone on with.
+  // The frame begins anew, or is not to be gone on with; its accepted tasks go, too.
   void drop_journal(std::uint64_t job, std::uint32_t place);
   // Journals of frames that are not active, left by a coordinator that was killed as one ended.
   void drop_stale_journals();
@@ -105,7 +105,7 @@ class Store {
  private:
   std::filesystem::path journal_folder(std::uint64_t job, std::uint32_t place) const;
   bool is_active(std::uint64_t job, std::uint32_t place);
-  void add_accepted(std::uint64_t job, std::uint32_t place, std::span<const Accepted> tasks);
+  void add_accepted(std::uint64_t job, std::uint32_t place, const Journal& journal);
 
   std::filesystem::path folder_;
   std::unique_ptr<LockFile> lock_;
