@@ -41,7 +41,7 @@ Accepted accepted(int n) {
           1,
           {},
           "render-017-4242",
-          "znver4 pocl-3.1",
+          "avx512 pocl-3.1",
           0.5,
           0};
 }
