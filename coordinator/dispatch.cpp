@@ -42,13 +42,13 @@ Scheduler::Served Scheduler::serve(Worker& worker) {
   if (!task) return Served::nothing;
   if (!ledger_.fits(*task, worker)) return Served::not_now;
   const Attempt attempt = task->attempts + 1;
-  out_.push_back(AssignTask{worker.id, task->id, attempt});
-  ++counts_.assigned;
   if (task->scene && worker.scenes.front() != task->scene) {
     worker.scenes.back() = worker.scenes.front();
     worker.scenes.front() = task->scene;
   }
   entrust(*task, worker, attempt);
+  out_.push_back(AssignTask{worker.id, task->id, attempt});
+  ++counts_.assigned;
   return Served::yes;
 }
 

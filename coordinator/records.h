@@ -140,7 +140,7 @@ struct Task {
   double cost = 1;
   std::uint64_t scene = 0, bytes = 0;  // scene: a hash of its hash; 0: none
   bool filter = false;
-  bool witnessed = false;  // it failed on a worker that can do others
+  bool witnessed = false;  // it failed on a worker that can do others, or ended one
   int strikes = 0;         // attempts that failed or died with their worker
   Attempt attempts = 0;    // so far
   Leases leases;

@@ -268,8 +268,11 @@ void Scheduler::release(Task& task, Worker& worker) {
 void Scheduler::release_all(Worker& worker, bool dead) {
   const auto running = worker.running, queued = worker.queued;
   ++incidents_;
-  for (const auto& [order, task] : running)
-    if (dead) strike(*task, worker, "worker " + worker.id + " fell silent while at it", incidents_);
+  for (const auto& [order, task] : running) {
+    if (!dead) break;
+    strike(*task, worker, "worker " + worker.id + " fell silent while at it", incidents_);
+    task->witnessed = true;  // to end workers takes more than to fail on them
+  }
   // The queue first, else its tasks would be taken for running ones as slots become free.
   for (const auto* tasks : {&queued, &running})
     for (const auto& [order, task] : *tasks) release(*task, worker);
