@@ -31,7 +31,8 @@ struct WhichLack {
 };
 // `bytes` of the blob from `offset`. Pieces are taken in order, and what was taken stays taken when the
 // connection goes. Answered by Agreed if all up to the end of the piece is there now, and with the last piece
-// that the digest is right; by Lacking, which says how much is, if what comes before the piece is missing.
+// that the digest is right (or else Denied: then it is all forgotten); by Lacking, which says how much is,
+// if what comes before the piece is missing.
 struct PutPiece {
   Digest blob;
   std::uint64_t size = 0, offset = 0;  // of the whole blob; of this piece
