@@ -57,6 +57,7 @@ void PartFile::open_own() {
   own_ = true;
   part_ = PendingFile(file_).temporary();
   descriptor_ = open(part_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  if (descriptor_ >= 0) flock(descriptor_, LOCK_EX | LOCK_NB);  // a sign that it is not left over
 }
 
 void PartFile::take_up() {

@@ -2,6 +2,7 @@
 // A file that is fetched piece by piece, from its beginning: it appears whole and with the right bytes, or
 // not at all, and what is there of it stays there when the program ends. As `file`.part, by one object at a
 // time; others that want the same file meanwhile begin one of their own, which is not kept.
+// Locked (flock) while it is written.
 #pragma once
 
 #include <cstdint>
