@@ -9,6 +9,7 @@
 #include <new>
 #include <vector>
 
+#include "cli/config_file.h"
 #include "cli/subcommand.h"
 #include "cli/version.h"
 #include "core/error.h"
@@ -53,8 +54,12 @@ int run(int argc, char** argv) {
   std::function<int()> chosen;
   for (const Subcommand& command : kCommands) {
     CLI::App* sub = app.add_subcommand(std::string(command.name), std::string(command.summary));
+    sub->add_option("--config", "TOML file with options by their long names; --threads 4 is threads = 4")
+        ->envname("TESSERA_CONFIG");
     sub->callback([&chosen, run = command.describe(*sub)] { chosen = run; });
   }
+  if (const auto file = config_file(argc, argv); !file.empty() && argc > 1 && *argv[1] != '-')
+    read_config(file, *app.get_subcommand(argv[1]));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // tessera render: a local farm, one frame or many, files.
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -27,13 +26,6 @@ namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
-
-void set_up_log(const RenderOptions& o) {
-  auto log = std::make_shared<spdlog::logger>("tessera", std::make_shared<spdlog::sinks::stderr_sink_mt>());
-  log->set_level(spdlog::level::from_str(o.verbose && o.log_level == "warning" ? "info" : o.log_level));
-  log->set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %l %v", spdlog::pattern_time_type::utc);
-  spdlog::set_default_logger(std::move(log));
-}
 
 ProgressStyle progress_style(const RenderOptions& o) {
   if (o.quiet || o.progress == "none") return ProgressStyle::none;
@@ -177,7 +169,7 @@ class Rendering {
 };
 
 int render_scene(const RenderOptions& o) {
-  set_up_log(o);
+  set_up_log(o.log);
   if (o.scene.empty())
     throw Error(ExitCode::bad_usage,
                 "render: which scene? accepted: a .json, .gltf, .glb, .obj, .fbx or .ply file");

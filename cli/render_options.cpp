@@ -23,7 +23,6 @@ constexpr std::array<std::pair<std::string_view, double>, 3> kTargets{
 constexpr int kMostThreads = 1024;
 constexpr std::string_view kLightGroups = "light_groups";
 constexpr std::array kProgress{"auto", "bar", "lines", "json", "openjd", "none"};
-constexpr std::array kLevels{"debug", "info", "warning", "error"};
 
 template <class Number>
 std::optional<Number> number(std::string_view text) {
@@ -164,11 +163,7 @@ void describe(CLI::App& app, RenderOptions& o) {
       ->envname("TESSERA_PROGRESS")
       ->capture_default_str();
   app.add_flag("--quiet", o.quiet, "No progress and no summary");
-  app.add_flag("-v,--verbose", o.verbose, "Same as --log-level info");
-  app.add_option("--log-level", o.log_level, "To stderr")
-      ->check(CLI::IsMember(std::vector<std::string>(kLevels.begin(), kLevels.end())))
-      ->envname("TESSERA_LOG_LEVEL")
-      ->capture_default_str();
+  add_log_options(app, o.log);
 }
 
 AovSet groups_of(const RenderOptions& o, std::size_t groups) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/log_options.h"
 #include "cli/progress_display.h"
 #include "core/job.h"
 #include "core/scene/limits.h"
@@ -42,8 +43,7 @@ struct RenderOptions {
   double exposure = 0;  // of the preview
   std::string progress = "auto";
   bool quiet = false;
-  bool verbose = false;
-  std::string log_level = "warning";
+  LogOptions log;
 };
 
 void describe(CLI::App&, RenderOptions&);

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "cli/version.h"
+#include "coordinator/frame_writer.h"
 #include "coordinator/output.h"
-#include "core/png.h"
 
 namespace tessera {
 namespace {
@@ -19,44 +19,30 @@ std::vector<std::string> names_of(const std::vector<T>& things) {
   return names;
 }
 
-// The picture with its coverage, where the scene stands before nothing.
-Image preview(const Scene& scene, const ExrImage& exr) {
-  std::vector<float> data;
-  for (const char* channel : {"R", "G", "B", "A"}) {
-    if (*channel == 'A' && scene.background.kind != Background::Kind::transparent) continue;
-    const auto plane = exr.pixels.plane(exr.plane(channel));
-    data.insert(data.end(), plane.begin(), plane.end());
-  }
-  const int planes = static_cast<int>(data.size() / exr.pixels.plane(0).size());
-  return {exr.pixels.region(), planes, std::move(data)};
-}
-
 }  // namespace
+
+SceneNames names_in(const Scene& scene) {
+  return {.light_groups = scene.light_groups,
+          .objects = names_of(scene.objects),
+          .materials = names_of(scene.materials)};
+}
 
 void write_frame(const RenderOptions& o, const fs::path& file, const Job& job, const Scene& scene,
                  const JobReport& report, const std::string& key) {
-  Provenance from{.version = std::string(kVersion),
-                  .device = fmt::format("{}", fmt::join(report.device_classes, "; ")),
-                  .scene_hash = job.scene.hash,
-                  .seconds = report.seconds,
-                  .light_groups = scene.light_groups,
-                  .objects = names_of(scene.objects),
-                  .materials = names_of(scene.materials),
-                  .dropped = report.dropped,
-                  .key = key};
-  if (!o.layers_for.empty()) from.filter_inputs = parse_filter(o.layers_for).inputs();
-  const ExrImage image = layered(job, report.image, from);
-  write_exr(file, image, o.compression);
-  write_png(fs::path(file).replace_extension(".png"), preview(scene, image), static_cast<float>(o.exposure));
+  FrameStyle style{.version = std::string(kVersion),
+                   .names = names_in(scene),
+                   .transparent = scene.background.kind == Background::Kind::transparent,
+                   .compression = o.compression,
+                   .exposure = o.exposure};
+  if (!o.layers_for.empty()) style.filter_inputs = parse_filter(o.layers_for).inputs();
+  write_frame(file, fs::path(file).replace_extension(".png"), job, report, style, key);
 }
 
 ExitCode exit_code(const Job& job, const JobReport& report) {
   if (report.failure) return report.bad_input ? ExitCode::bad_input : ExitCode::job_failed;
   const StopReason why = report.image.stop.value_or(StopReason::interrupted);
   if (why == StopReason::interrupted) return ExitCode::interrupted;
-  // Without a target there is nothing to fall short of.
-  const bool done = why == StopReason::accepted || !job.acceptance.relmse;
-  return done ? ExitCode::done : ExitCode::stopped_at_limit;
+  return fell_short(job, report.image) ? ExitCode::stopped_at_limit : ExitCode::done;
 }
 
 void summarise(const Job& job, const JobReport& report, const fs::path& file) {

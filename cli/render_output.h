@@ -9,8 +9,11 @@
 #include "coordinator/coordinator.h"
 #include "core/error.h"
 #include "core/scene/scene.h"
+#include "core/submission.h"
 
 namespace tessera {
+
+SceneNames names_in(const Scene&);
 
 // The EXR, and a PNG beside it. `key` as in Provenance.
 void write_frame(const RenderOptions&, const std::filesystem::path& file, const Job&, const Scene&,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <type_traits>
 
 #include "coordinator/coordinator.h"
@@ -10,32 +11,41 @@
 namespace tessera {
 namespace {
 
-bool travels(const FilterInput& input) {
-  return (input.film.data().size() + input.history.data().size()) * sizeof(float) <= kMaxPixelBytes;
+constexpr std::size_t kMostRemembered = 20'000;  // workers, with those that left
+
+std::uint64_t bytes_of(const FilterInput& input) {
+  return (input.film.data().size() + input.history.data().size()) * sizeof(float);
 }
 
 }  // namespace
 
 void Coordinator::hear(Mail mail, Instant now) {
+  if (const auto* ask = std::get_if<Ask>(&mail.message)) return answer(mail.from, *ask, mail.who);
+  if (mail.who.worker) return hear_worker(mail.from, mail.message, now);
+  spdlog::warn("coordinator: {} speaks as a worker, but the key of {} is none of a worker", mail.from,
+               mail.who.name);
+}
+
+void Coordinator::hear_worker(const WorkerId& from, Message& any, Instant now) {
   std::visit(
       [&](auto& message) {
         using Kind = std::decay_t<decltype(message)>;
         if constexpr (std::is_same_v<Kind, Hello>)
-          welcome(mail.from, message, now);
+          welcome(from, message, now);
         else if constexpr (std::is_same_v<Kind, Heartbeat>)
-          tell(Heard{mail.from, message.held}, now);
+          tell(Heard{from, message.held}, now);
         else if constexpr (std::is_same_v<Kind, NeedJob>)
-          answer(mail.from, message, now);
+          answer(from, message, now);
         else if constexpr (std::is_same_v<Kind, RenderDone> || std::is_same_v<Kind, FilterDone>)
-          take(mail.from, message, now);
+          take(from, message, now);
         else if constexpr (std::is_same_v<Kind, TaskFailed>)
-          tell(Failed{mail.from, message.task, message.attempt, message.reason, message.bad_input}, now);
+          failed(from, message, now);
         else if constexpr (std::is_same_v<Kind, Goodbye>)
-          tell(Left{mail.from}, now);
+          leave(from, now);
         else
-          spdlog::warn("coordinator: {} sent a message that only a coordinator sends", mail.from);
+          spdlog::warn("coordinator: {} sent a message that only a coordinator sends", from);
       },
-      mail.message);
+      any);
 }
 
 void Coordinator::welcome(const WorkerId& from, const Hello& hello, Instant now) {
@@ -44,18 +54,38 @@ void Coordinator::welcome(const WorkerId& from, const Hello& hello, Instant now)
                Refused{fmt::format("protocol {} is spoken here, not {}", kProtocolVersion, hello.protocol)});
     return;
   }
-  device_classes_[from] = hello.device_class;
+  if (workers_.size() > kMostRemembered)
+    std::erase_if(workers_, [](const auto& w) { return !w.second.present; });
+  WorkerRecord& record = workers_[from];
+  record.present = true;
+  record.name = hello.name.empty() ? from : hello.name;
+  record.device_class = hello.device_class;
+  record.slots = hello.slots;
   for (auto& [id, active] : active_) active.offered.erase(from);
   road_.send(from, Welcome{kProtocolVersion, options_.heartbeat});
-  tell(Joined{from, hello.slots, hello.device_class, hello.name}, now);
+  tell(Joined{from, hello.slots, hello.device_class, record.name}, now);
+}
+
+void Coordinator::leave(const WorkerId& from, Instant now) {
+  if (const auto worker = workers_.find(from); worker != workers_.end()) worker->second.present = false;
+  tell(Left{from}, now);
 }
 
 void Coordinator::answer(const WorkerId& from, const NeedJob& need, Instant now) {
   tell(Heard{from}, now);
+  const auto check = std::ranges::find(checks_, need.id, [](const auto& c) { return c.second.job; });
   if (const Active* active = active_of(need.id))
-    road_.send(from, JobOffer{need.id, active->frame.job()});
+    road_.send(from, JobOffer{need.id, active->frame().job()});
+  else if (check != checks_.end())
+    road_.send(from, JobOffer{need.id, check->second.check.job});
   else
     road_.send(from, JobOver{need.id});
+}
+
+void Coordinator::answer(const WorkerId& from, const Ask& ask, const Identity& who) {
+  Reply reply = Denied{ExitCode::bad_usage, "nothing is answered here"};
+  if (options_.answer) reply = options_.answer(ask.question, who);
+  road_.send(from, Answer{ask.number, std::move(reply)});
 }
 
 Coordinator::Active* Coordinator::active_of(JobId job) {
@@ -64,29 +94,60 @@ Coordinator::Active* Coordinator::active_of(JobId job) {
 }
 
 bool Coordinator::fits(const RenderDone& result) const {
+  if (const auto check = checks_.find(result.task); check != checks_.end())
+    return result.block.sums.region() == check->second.check.work.region;
   const auto task = tasks_.find(result.task);
   if (task == tasks_.end()) return true;  // an old one: the scheduler drops it
   const auto* work = std::get_if<RenderTask>(&task->second.work);
-  return work != nullptr && active_.at(task->second.job).frame.fits(*work, result.block);
+  return work != nullptr && active_.at(task->second.job).frame().fits(*work, result.block);
 }
 
 bool Coordinator::fits(const FilterDone& result) const {
   const auto task = tasks_.find(result.task);
   if (task == tasks_.end()) return true;
   const auto* work = std::get_if<FilterTask>(&task->second.work);
-  return work != nullptr && active_.at(task->second.job).frame.fits(*work, result.filtered);
+  return work != nullptr && active_.at(task->second.job).frame().fits(*work, result.filtered);
 }
 
 template <class Result>
 void Coordinator::take(const WorkerId& from, Result& result, Instant now) {
   if (!fits(result)) {
-    tell(Failed{from, result.task, result.attempt, "the answer does not fit the task", false}, now);
-    return;
+    TaskFailed message{result.task, result.attempt, "the answer does not fit the task", false};
+    return failed(from, message, now);
   }
   in_hand_ = &result;
   in_hand_from_ = from;
   tell(Done{from, result.task, result.attempt, result.seconds}, now);
   in_hand_ = std::monostate{};
+}
+
+void Coordinator::failed(const WorkerId& from, TaskFailed& message, Instant now) {
+  WorkerRecord& record = workers_[from];
+  ++record.failed;
+  if (const auto task = tasks_.find(message.task); task != tasks_.end())
+    note(active_.at(task->second.job), fmt::format("worker {} failed a task, attempt {}: {}", record.name,
+                                                   message.attempt, message.reason));
+  tell(Failed{from, message.task, message.attempt, message.reason, message.bad_input}, now);
+}
+
+void Coordinator::note(const Active& active, const std::string& text) const {
+  if (const auto& noted = runs_.at(active.shot).watcher.noted) noted(active.place, text);
+}
+
+// A filter task counts as much as it takes to render a few samples of its pixels.
+Wish Coordinator::wish_of(const Active& active, TaskId id, const Work& work) const {
+  constexpr double kFilterCost = 4;
+  Wish wish{.task = id, .job = active.id, .scene = active.frame().job().scene.hash};
+  if (const auto* render = std::get_if<RenderTask>(&work)) {
+    wish.cost = static_cast<double>(render->region.area() * render->samples.count());
+    return wish;
+  }
+  const Tile& tile = std::get<FilterTask>(work).tile;
+  wish.filter = true;
+  wish.cost = kFilterCost * static_cast<double>(tile.outer.area());
+  wish.bytes =
+      static_cast<std::uint64_t>(tile.outer.area()) * active.frame().layout().planes() * sizeof(float);
+  return wish;
 }
 
 void Coordinator::tell(const Event& event, Instant now) {
@@ -95,20 +156,23 @@ void Coordinator::tell(const Event& event, Instant now) {
 }
 
 void Coordinator::carry_out(const AssignTask& c, Instant) {
+  if (assign_check(c)) return;
   const auto found = tasks_.find(c.task);
   if (found == tasks_.end()) return;
   Active& active = active_.at(found->second.job);
-  if (active.offered.insert(c.worker).second) road_.send(c.worker, JobOffer{active.id, active.frame.job()});
+  if (active.offered.insert(c.worker).second) road_.send(c.worker, JobOffer{active.id, active.frame().job()});
   Assign assign{found->second, c.attempt, {}};
   if (const auto* filter = std::get_if<FilterTask>(&assign.task.work)) {
-    assign.input = active.frame.filter_input(*filter);
-    if (!travels(assign.input)) {
+    assign.input = active.frame().filter_input(*filter);
+    const std::uint64_t bytes = bytes_of(assign.input);
+    if (bytes > kMaxPixelBytes) {
       active.failure =
           "a tile and what its pixels touch of the frame before are more than a message holds (1 GiB):"
           " smaller tiles are needed";
       active.bad_input = true;
       return;
     }
+    workers_[c.worker].bytes_out += bytes;
   }
   road_.send(c.worker, std::move(assign));
 }
@@ -116,19 +180,34 @@ void Coordinator::carry_out(const AssignTask& c, Instant) {
 void Coordinator::carry_out(const RevokeTask& c, Instant) { road_.send(c.worker, Revoke{c.task, c.attempt}); }
 
 void Coordinator::carry_out(const Accept& c, Instant now) {
+  if (accept_check(c, now)) return;
   const auto node = tasks_.extract(c.task);
   if (node.empty()) return;
   Active& active = active_.at(node.mapped().job);
-  active.device_classes.insert(device_classes_[in_hand_from_]);
+  WorkerRecord& worker = workers_[in_hand_from_];
+  active.state.device_classes.insert(worker.device_class);
+  ++worker.done;
+  Accepted accepted{.work = node.mapped().work,
+                    .round = active.frame().round(),
+                    .worker = in_hand_from_,
+                    .device_class = worker.device_class};
+  const auto keep = [&](double seconds, const Image& pixels) {
+    worker.seconds += accepted.seconds = seconds;
+    worker.bytes_in += pixels.data().size() * sizeof(float);
+    if (Keeper* keeper = run_of(active).keeper) keeper->takes(active.place, std::move(accepted), pixels);
+  };
   if (auto* render = std::get_if<RenderDone*>(&in_hand_)) {
-    active.dropped += (*render)->dropped;
-    add(active, active.frame.fold(std::move((*render)->block)), now);
+    active.state.dropped += accepted.dropped = (*render)->dropped;
+    keep((*render)->seconds, (*render)->block.sums);
+    add(active, active.frame().fold(std::move((*render)->block)), now);
   } else if (auto* filter = std::get_if<FilterDone*>(&in_hand_)) {
-    active.frame.stitch(std::get<FilterTask>(node.mapped().work), (*filter)->filtered);
+    keep((*filter)->seconds, (*filter)->filtered);
+    active.frame().stitch(std::get<FilterTask>(node.mapped().work), (*filter)->filtered);
   }
 }
 
-void Coordinator::carry_out(const GiveUp& c, Instant) {
+void Coordinator::carry_out(const GiveUp& c, Instant now) {
+  if (give_up_check(c, now)) return;
   spdlog::error("coordinator: task {} failed for good: {}", c.task, c.reason);
   const auto found = tasks_.find(c.task);
   if (found == tasks_.end()) return;
@@ -138,19 +217,27 @@ void Coordinator::carry_out(const GiveUp& c, Instant) {
 }
 
 void Coordinator::carry_out(const Forget& c, Instant) {
-  spdlog::warn("coordinator: worker {} fell silent; its tasks go to others", c.worker);
-  for (auto& [id, active] : active_) active.offered.erase(c.worker);
+  WorkerRecord& record = workers_[c.worker];
+  record.present = false;
+  const std::string text = fmt::format("worker {} fell silent; its tasks go to others", record.name);
+  spdlog::warn("coordinator: {}", text);
+  for (auto& [id, active] : active_)
+    if (active.offered.erase(c.worker)) note(active, text);
 }
 
 void Coordinator::carry_out(const AskHello& c, Instant) { road_.send(c.worker, Unknown{}); }
 
-void Coordinator::carry_out(const ClassChanged& c, Instant) {
-  if (!c.from.empty())
-    spdlog::warn("coordinator: job {} is filtered by {} now, not by {}", c.job, c.to, c.from);
+void Coordinator::carry_out(const SetAside& c, Instant) {
+  spdlog::error("coordinator: worker {} is set aside: {}", c.worker, c.reason);
 }
 
-void Coordinator::carry_out(const SetAside& c, Instant) {
-  spdlog::error("coordinator: worker {} ({}) is set aside: {}", c.worker, c.name, c.reason);
+void Coordinator::carry_out(const ClassChanged& c, Instant) {
+  const Active* active = active_of(c.job);
+  if (!active) return;
+  const std::string text =
+      fmt::format("no worker of {} is left: tiles are filtered on {} from here on", c.from, c.to);
+  spdlog::warn("coordinator: frame {}: {}", active->frame().job().frame, text);
+  note(*active, text);
 }
 
 }  // namespace tessera

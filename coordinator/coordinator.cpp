@@ -2,6 +2,7 @@
 #include "coordinator/coordinator.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "proto/clock.h"
 
@@ -9,15 +10,21 @@ namespace tessera {
 namespace {
 
 constexpr Millis kLongestSleep{1000};  // so that progress is shown while nothing is heard
+constexpr int kMailsATurn = 256;       // before frames are looked at again
 
 double seconds_between(Instant from, Instant to) { return std::chrono::duration<double>(to - from).count(); }
 
-}  // namespace
-
-Coordinator::Active::Active(JobId job_id, const Job& job, const ShotPlan::Start& start, Instant now)
-    : id(job_id), place(start.frame), started(now), frame(job, start.awaits_history) {
-  if (!start.awaits_history) frame.remember(start.history);
+Instant before(Instant now, double seconds) {
+  return now - std::chrono::duration_cast<Instant::duration>(std::chrono::duration<double>(seconds));
 }
+
+Keeper::Begun begin_anew(const Job& job) {
+  Keeper::Begun begun{{Frame(job, true)}, {}};
+  begun.work = begun.frame.frame.begin();
+  return begun;
+}
+
+}  // namespace
 
 Coordinator::Coordinator(Transport& road, const CoordinatorOptions& options)
     : road_(road),
@@ -40,40 +47,69 @@ JobReport Coordinator::run(const Job& job, const JobWatcher& watcher) {
 }
 
 void Coordinator::run(const Shot& shot, const JobWatcher& watcher) {
+  const ShotId id = begin(shot, {}, watcher);
+  while (!over(id)) turn(clock_now() + kLongestSleep);
+}
+
+ShotId Coordinator::begin(Shot shot, const Standing& standing, JobWatcher watcher, Keeper* keeper) {
   validate(shot);
-  shot_ = ShotPlan(shot);
-  watcher_ = &watcher;
-  begun_ = clock_now();
-  Instant next_progress = begun_;
-  begin_frames(begun_);
-  while (!shot_.over()) {
-    std::optional<Mail> mail = road_.receive(next_wake(clock_now()));
-    const Instant now = clock_now();
-    if (mail)
-      hear(std::move(*mail), now);
-    else
-      tell(TimePassed{}, now);
-    for (auto& [id, active] : active_) advance(active, now);
-    const bool one_ended = std::ranges::any_of(active_, [](const auto& a) { return a.second.over(); });
-    if (watcher.progress && (now >= next_progress || one_ended)) {
-      watcher.progress(progress(now));
-      next_progress = now + watcher.interval;
-    }
-    if (snapshot_wanted_.exchange(false) && watcher.snapshot)
-      for (const auto& [id, active] : active_) watcher.snapshot(active.place, report(active, now));
-    if (one_ended) end_frames(now);
+  const Instant now = clock_now();
+  const ShotId id = next_shot_++;
+  runs_.emplace(id, Run{ShotPlan(std::move(shot)), standing, std::move(watcher), keeper, now, now});
+  begin_frames(now);
+  return id;
+}
+
+void Coordinator::turn(Instant until) {
+  std::optional<Mail> mail = road_.receive(std::min(until, next_wake(clock_now())));
+  const Instant now = clock_now();
+  for (int n = 0; mail; ++n) {
+    hear(std::move(*mail), now);
+    if (n == kMailsATurn) break;
+    mail = road_.receive(now);
   }
-  if (watcher.progress && shot.frames.size() > 1) watcher.progress(progress(clock_now()));
-  watcher_ = nullptr;
+  if (!mail) tell(TimePassed{}, now);
+  for (auto& [id, active] : active_) advance(active, now);
+  const bool one_ended = std::ranges::any_of(active_, [](const auto& a) { return a.second.over(); });
+  show(now, one_ended);
+  if (one_ended) end_frames(now);
+  if (interrupted_) begin_frames(now);
+  end_runs();
+}
+
+// Watchers hear how far their shots are, and of snapshots.
+void Coordinator::show(Instant now, bool one_ended) {
+  for (auto& [id, run] : runs_) {
+    if (!run.watcher.progress || (now < run.next_progress && !one_ended)) continue;
+    run.watcher.progress(progress(id, run, now));
+    run.next_progress = now + run.watcher.interval;
+  }
+  if (!snapshot_wanted_.exchange(false)) return;
+  for (const auto& [id, active] : active_)
+    if (const auto& snapshot = run_of(active).watcher.snapshot) snapshot(active.place, report(active, now));
 }
 
 void Coordinator::begin_frames(Instant now) {
-  if (interrupted_) shot_.stop();
-  while (const auto start = shot_.start()) {
-    const JobId id = next_job_++;
-    Active& active = active_.try_emplace(id, id, shot_.frames()[start->frame], *start, now).first->second;
-    add(active, active.frame.begin(), now);
+  for (auto& [id, run] : runs_) {
+    if (interrupted_) run.plan.stop();
+    if (run.paused) continue;
+    while (const auto start = run.plan.start()) begin_frame(id, run, *start, now);
   }
+}
+
+void Coordinator::begin_frame(ShotId shot, Run& run, const ShotPlan::Start& start, Instant now) {
+  const Job& job = run.plan.frames()[start.frame];
+  Keeper::Begun begun = run.keeper ? run.keeper->begin(start.frame, job) : begin_anew(job);
+  const JobId id = next_job_++;
+  Active& active = active_
+                       .try_emplace(id, Active{.id = id,
+                                               .shot = shot,
+                                               .place = start.frame,
+                                               .started = before(now, begun.frame.seconds),
+                                               .state = std::move(begun.frame)})
+                       .first->second;
+  if (!start.awaits_history && active.frame().awaits_history()) remember(active, start.history, now);
+  add(active, begun.work, now);
 }
 
 void Coordinator::end_frames(Instant now) {
@@ -89,13 +125,30 @@ void Coordinator::end_frames(Instant now) {
   begin_frames(now);
 }
 
+void Coordinator::end_runs() {
+  for (auto it = runs_.begin(); it != runs_.end();) {
+    const auto& [id, run] = *it;
+    const bool over = run.plan.over();
+    if (over && run.watcher.progress && run.plan.frames().size() > 1)
+      run.watcher.progress(progress(id, run, clock_now()));
+    it = over ? runs_.erase(it) : std::next(it);
+  }
+}
+
 // What the frame kept goes to the next one, before anybody is told: workers are not to wait for that.
 void Coordinator::hand_on(const Active& ended, Instant now) {
   const JobReport report = Coordinator::report(ended, now);
-  if (const auto next = shot_.end(ended.place, report.kept))
+  Run& run = runs_.at(ended.shot);
+  if (const auto next = run.plan.end(ended.place, report.kept))
     for (auto& [id, active] : active_)
-      if (active.place == *next) add(active, active.frame.remember(report.kept), now);
-  if (watcher_->finished) watcher_->finished(ended.place, report);
+      if (active.shot == ended.shot && active.place == *next && active.frame().awaits_history())
+        remember(active, report.kept, now);
+  if (run.watcher.finished) run.watcher.finished(ended.place, report);
+}
+
+void Coordinator::remember(Active& active, const std::shared_ptr<const Image>& history, Instant now) {
+  if (Keeper* keeper = run_of(active).keeper) keeper->remembers(active.place, history);
+  add(active, active.frame().remember(history), now);
 }
 
 void Coordinator::interrupt() {
@@ -116,32 +169,84 @@ void Coordinator::request_snapshot() {
   road_.wake();
 }
 
+void Coordinator::interrupt(ShotId shot) {
+  runs_.at(shot).plan.stop();
+  for (auto& [id, active] : active_)
+    if (active.shot == shot) active.interrupted = true;
+}
+
+void Coordinator::drop(ShotId shot) {
+  const Instant now = clock_now();
+  for (auto it = active_.begin(); it != active_.end();) {
+    if (it->second.shot != shot) {
+      ++it;
+      continue;
+    }
+    const auto dropped = active_.extract(it++);
+    dismiss(dropped.mapped(), now);
+  }
+  runs_.erase(shot);
+}
+
+void Coordinator::pause(ShotId shot) {
+  runs_.at(shot).paused = true;
+  for (const auto& [id, active] : active_)
+    if (active.shot == shot) tell(PausedJob{id}, clock_now());
+}
+
+void Coordinator::resume(ShotId shot) {
+  runs_.at(shot).paused = false;
+  for (const auto& [id, active] : active_)
+    if (active.shot == shot) tell(ResumedJob{id}, clock_now());
+  begin_frames(clock_now());
+}
+
+void Coordinator::set_standing(ShotId shot, const Standing& standing) {
+  runs_.at(shot).standing = standing;
+  for (const auto& [id, active] : active_)
+    if (active.shot == shot) tell(Reranked{id, standing_of(active)}, clock_now());
+}
+
+void Coordinator::release(const std::string& worker) { tell(Released{worker}, clock_now()); }
+
 Instant Coordinator::next_wake(Instant now) const {
   Instant wake = now + kLongestSleep;
   if (const auto deadline = scheduler_.next_deadline()) wake = std::min(wake, *deadline);
   return std::max(wake, now);
 }
 
+// Earlier frames first, whatever the order in which their tasks become known.
+Standing Coordinator::standing_of(const Active& active) const {
+  Standing standing = runs_.at(active.shot).standing;
+  standing.rank += static_cast<std::uint32_t>(active.place);
+  return standing;
+}
+
 void Coordinator::add(Active& active, const std::vector<Work>& work, Instant now) {
   if (work.empty()) return;
-  Submitted submitted{{}, {.rank = static_cast<std::uint32_t>(active.place)}};
+  Submitted submitted{{}, standing_of(active)};
   for (const Work& w : work) {
     const TaskId id = next_task_++;
     tasks_.emplace(id, Task{id, active.id, w});
-    submitted.tasks.push_back({id, active.id});
+    submitted.tasks.push_back(wish_of(active, id, w));
   }
   tell(submitted, now);
 }
 
 void Coordinator::advance(Active& a, Instant now) {
-  const AcceptanceRule& rule = a.frame.job().acceptance;
+  const AcceptanceRule& rule = a.frame().job().acceptance;
   const double seconds = seconds_between(a.started, now);
   if (const std::lock_guard lock(failing_); failure_) a.failure = failure_;
   if (a.over()) return;
-  if (interrupted_) return a.frame.stop(StopReason::interrupted);
-  if (rule.max_seconds && seconds >= *rule.max_seconds && a.frame.seen())
-    return a.frame.stop(StopReason::max_seconds);
-  if (a.frame.round_complete()) add(a, a.frame.look({seconds}), now);
+  if (interrupted_ || a.interrupted) return a.frame().stop(StopReason::interrupted);
+  if (rule.max_seconds && seconds >= *rule.max_seconds && a.frame().seen())
+    return a.frame().stop(StopReason::max_seconds);
+  if (!a.frame().round_complete()) return;
+  const std::vector<Work> next = a.frame().look({seconds});
+  a.state.errors.push_back(static_cast<float>(a.frame().progress(seconds).error.value_or(0)));
+  if (a.frame().stopped()) return;
+  if (Keeper* keeper = run_of(a).keeper) keeper->looked(a.place, a.state, seconds);
+  add(a, next, now);
 }
 
 // The job is over: nobody need work on it any more.
@@ -151,35 +256,47 @@ void Coordinator::dismiss(const Active& active, Instant now) {
   for (const WorkerId& worker : active.offered) road_.send(worker, JobOver{active.id});
 }
 
-Progress Coordinator::progress(Instant now) const {
-  const int frames = static_cast<int>(shot_.frames().size());
+Progress Coordinator::progress(ShotId shot) const { return progress(shot, runs_.at(shot), clock_now()); }
+
+Progress Coordinator::progress(ShotId shot, const Run& run, Instant now) const {
+  const int frames = static_cast<int>(run.plan.frames().size());
   Progress p{.fraction = 1};  // but for
-  if (!active_.empty()) {
-    const Active& first = active_.begin()->second;
-    p = first.frame.progress(seconds_between(first.started, now));
-    if (frames == 1) return p;
+  double whole = run.plan.done();
+  bool first = true;
+  for (const auto& [id, active] : active_) {
+    if (active.shot != shot) continue;
+    const Progress one = active.frame().progress(seconds_between(active.started, now));
+    if (std::exchange(first, false)) p = one;
+    whole += one.fraction;
   }
-  double whole = shot_.done();
-  for (const auto& [id, active] : active_)
-    whole += active.frame.progress(seconds_between(active.started, now)).fraction;
+  if (frames == 1 && !first) return p;
   p.frames = frames;
-  p.frames_done = shot_.done();
-  p.fraction = shot_.over() ? 1 : std::min(0.999, whole / frames);
-  p.seconds = seconds_between(begun_, now);
+  p.frames_done = run.plan.done();
+  p.fraction = run.plan.over() ? 1 : std::min(0.999, whole / frames);
+  p.seconds = seconds_between(run.begun, now);
   if (whole > 0) p.seconds_left = p.seconds * (frames - whole) / whole;
   return p;
 }
 
+std::map<std::size_t, Coordinator::FrameNow> Coordinator::frames(ShotId shot) const {
+  const Instant now = clock_now();
+  std::map<std::size_t, FrameNow> under_way;
+  for (const auto& [id, active] : active_)
+    if (active.shot == shot) under_way[active.place] = {&active.state, seconds_between(active.started, now)};
+  return under_way;
+}
+
 JobReport Coordinator::report(const Active& a, Instant now) {
-  const bool keeps = !a.failure && a.frame.stopped() && a.frame.job().filter.history() > 0;
-  return {.image = a.frame.image(),
+  const bool keeps = !a.failure && a.frame().stopped() && a.frame().job().filter.history() > 0;
+  return {.image = a.frame().image(),
           .seconds = seconds_between(a.started, now),
-          .dropped = a.dropped,
-          .device_classes = a.device_classes,
+          .dropped = a.state.dropped,
+          .device_classes = a.state.device_classes,
+          .errors = a.state.errors,
           .failure = a.failure,
           .bad_input = a.bad_input,
-          .kept = keeps ? a.frame.kept() : nullptr,
-          .continued = a.frame.continued()};
+          .kept = keeps ? a.frame().kept() : nullptr,
+          .continued = a.frame().continued()};
 }
 
 }  // namespace tessera

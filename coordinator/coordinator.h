@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loop that makes decisions happen: mail in, scheduler and frame asked, commands carried out. One thread;
-// only run() reads a clock.
+// The loop that makes decisions happen: mail in, scheduler and frames asked, commands carried out. Any number
+// of shots at a time, each of any number of frames. One thread; only run() and turn() read a clock.
 #pragma once
 
 #include <atomic>
@@ -14,8 +14,10 @@
 #include <unordered_map>
 #include <variant>
 
+#include "coordinator/checks.h"
 #include "coordinator/frame.h"
-#include "coordinator/progress.h"
+#include "coordinator/keeper.h"
+#include "coordinator/report.h"
 #include "coordinator/scheduler.h"
 #include "coordinator/shot.h"
 #include "proto/transport.h"
@@ -28,28 +30,20 @@ struct CoordinatorOptions {
   // Jobs and tasks are numbered from here. A coordinator whose workers outlive it starts elsewhere in each
   // life, so that no old result is taken for a new one.
   std::uint64_t first_id = 1;
+  // Answers what commands ask. None: they are denied.
+  std::function<Reply(const Question&, const Identity& who)> answer = {};
 };
 
-// How a job ended, or stands.
-struct JobReport {
-  FrameImage image;
-  double seconds = 0;
-  std::uint64_t dropped = 0;             // samples that were not finite
-  std::set<std::string> device_classes;  // of the workers whose results are in
-  std::optional<std::string> failure;    // set: the job failed, for this reason
-  bool bad_input = false;                // and the reason is the scene or the job itself
-  std::shared_ptr<const Image> kept;     // for the next frame, see Frame::kept(); null: nothing
-  bool continued = false;                // it went by what the frame before has kept
-};
+using ShotId = std::uint64_t;  // unique in a coordinator's life, ascending
 
-struct JobWatcher {
-  ProgressSink progress = {};  // called whenever something changed, but not more often than
-  Millis interval{0};          // this
-  // Called after request_snapshot(), for each frame under way: its place in the shot, and how it stands.
-  std::function<void(std::size_t frame, const JobReport&)> snapshot = {};
-  // Called when a frame has ended; workers go on meanwhile. Frames may end out of order, unless each needs
-  // what the one before has kept.
-  std::function<void(std::size_t frame, const JobReport&)> finished = {};
+// A worker as it is known here.
+struct WorkerRecord {
+  std::string name, device_class;
+  int slots = 1;
+  std::uint64_t done = 0, failed = 0;         // tasks
+  double seconds = 0;                         // of work that was accepted
+  std::uint64_t bytes_in = 0, bytes_out = 0;  // of pixels
+  bool present = true;  // else it left, and is remembered for results that are still under way
 };
 
 class Coordinator {
@@ -64,31 +58,71 @@ class Coordinator {
   // from being done. Interrupted, it ends those under way and begins no more.
   void run(const Shot& shot, const JobWatcher& watcher);
 
-  // From any thread: end the frames under way with the images of their last looks; fail them; hand their
-  // state to the watcher.
+  // A shot to work on beside the others, until over(). `keeper` is borrowed until then; null: nothing is
+  // kept. Throws what validate(shot) throws.
+  ShotId begin(Shot shot, const Standing& standing, JobWatcher watcher, Keeper* keeper = nullptr);
+  bool over(ShotId shot) const { return !runs_.contains(shot); }
+  // Ends the frames under way with the images of their last looks, and begins no more of them; or drops them,
+  // and tells nobody.
+  void interrupt(ShotId shot);
+  void drop(ShotId shot);
+  // No more tasks are given out, none is taken back.
+  void pause(ShotId shot);
+  void resume(ShotId shot);
+  void set_standing(ShotId shot, const Standing& standing);
+  Progress progress(ShotId shot) const;
+  // How each of its frames under way stands.
+  struct FrameNow {
+    const FrameUnderWay* state = nullptr;  // until the next turn
+    double seconds = 0;
+  };
+  std::map<std::size_t, FrameNow> frames(ShotId shot) const;
+
+  // Has a task done again. Waits for a worker that may, as long as it takes.
+  void check(Check check);
+
+  // Reads mail until there is none and `until` has come, or wake(), decides, and tells the watchers.
+  void turn(Instant until);
+  void wake() { road_.wake(); }  // from any thread
+
+  const Scheduler& scheduler() const { return scheduler_; }
+  const std::map<WorkerId, WorkerRecord>& workers() const { return workers_; }
+  void release(const std::string& worker);  // one that was set aside
+
+  // From any thread: end all frames under way with the images of their last looks; fail them; hand their
+  // state to the watchers.
   void interrupt();
   void fail(const std::string& reason);
   void request_snapshot();
 
  private:
+  struct Run {
+    ShotPlan plan;
+    Standing standing;
+    JobWatcher watcher;
+    Keeper* keeper = nullptr;
+    Instant begun, next_progress;
+    bool paused = false;
+  };
   // A frame under way.
   struct Active {
-    Active(JobId job_id, const Job& job, const ShotPlan::Start& start, Instant now);
-
     JobId id;
+    ShotId shot;
     std::size_t place;  // in the shot
-    Instant started;
-    Frame frame;
-    std::set<WorkerId> offered;  // workers that were told of the job
-    std::uint64_t dropped = 0;
-    std::set<std::string> device_classes;
-    std::optional<std::string> failure;
+    Instant started;    // as if it had been worked on all the time
+    FrameUnderWay state;
+    std::set<WorkerId> offered = {};  // workers that were told of the job
+    std::optional<std::string> failure = {};
     bool bad_input = false;
+    bool interrupted = false;
 
-    bool over() const { return failure.has_value() || frame.stopped(); }
+    Frame& frame() { return state.frame; }
+    const Frame& frame() const { return state.frame; }
+    bool over() const { return failure.has_value() || frame().stopped(); }
   };
 
   void hear(Mail mail, Instant now);
+  void hear_worker(const WorkerId& from, Message& message, Instant now);
   void tell(const Event& event, Instant now);
   void carry_out(const AssignTask&, Instant now);
   void carry_out(const RevokeTask&, Instant now);
@@ -96,40 +130,61 @@ class Coordinator {
   void carry_out(const GiveUp&, Instant now);
   void carry_out(const Forget&, Instant now);
   void carry_out(const AskHello&, Instant now);
-  void carry_out(const ClassChanged&, Instant now);
   void carry_out(const SetAside&, Instant now);
+  void carry_out(const ClassChanged&, Instant now);
   void welcome(const WorkerId& from, const Hello& hello, Instant now);
+  void leave(const WorkerId& from, Instant now);
   void answer(const WorkerId& from, const NeedJob& need, Instant now);
+  void answer(const WorkerId& from, const Ask& ask, const Identity& who);
   template <class Result>
   void take(const WorkerId& from, Result& result, Instant now);
+  void failed(const WorkerId& from, TaskFailed& message, Instant now);
   bool fits(const RenderDone& result) const;
   bool fits(const FilterDone& result) const;
 
+  // In checks.cpp: false, if the task belongs to no check.
+  bool assign_check(const AssignTask&);
+  bool accept_check(const Accept&, Instant now);
+  bool give_up_check(const GiveUp&, Instant now);
+  void end_check(TaskId task, const CheckResult& result, Instant now);
+
   void begin_frames(Instant now);
+  void begin_frame(ShotId shot, Run& run, const ShotPlan::Start& start, Instant now);
   void end_frames(Instant now);
+  void end_runs();
   void hand_on(const Active& ended, Instant now);
+  void remember(Active& active, const std::shared_ptr<const Image>& history, Instant now);
   void add(Active& active, const std::vector<Work>& work, Instant now);
   void advance(Active& active, Instant now);
+  void show(Instant now, bool one_ended);
   void dismiss(const Active& active, Instant now);
+  void note(const Active& active, const std::string& text) const;
+  const Run& run_of(const Active& active) const { return runs_.at(active.shot); }
+  Standing standing_of(const Active& active) const;
+  Wish wish_of(const Active& active, TaskId id, const Work& work) const;
   Active* active_of(JobId job);
   Instant next_wake(Instant now) const;
-  Progress progress(Instant now) const;
+  Progress progress(ShotId shot, const Run& run, Instant now) const;
   static JobReport report(const Active& active, Instant now);
 
   Transport& road_;
   CoordinatorOptions options_;
   Scheduler scheduler_;
-  ShotPlan shot_;
-  const JobWatcher* watcher_ = nullptr;     // of the run under way
-  Instant begun_{};                         // the run
-  std::map<JobId, Active> active_;          // frames under way, in the order of the shot
+  std::map<ShotId, Run> runs_;
+  std::map<JobId, Active> active_;          // frames under way, in the order in which they began
   std::unordered_map<TaskId, Task> tasks_;  // of them, not accepted yet
+  struct OpenCheck {
+    JobId job = 0;
+    Check check;
+  };
+  std::map<TaskId, OpenCheck> checks_;
   // The result being decided on, and whose it is.
   std::variant<std::monostate, RenderDone*, FilterDone*> in_hand_;
   WorkerId in_hand_from_;
+  ShotId next_shot_ = 1;
   JobId next_job_;
   TaskId next_task_;
-  std::map<WorkerId, std::string> device_classes_;
+  std::map<WorkerId, WorkerRecord> workers_;
   std::atomic<bool> interrupted_ = false, snapshot_wanted_ = false;
   std::mutex failing_;  // guards failure_
   std::optional<std::string> failure_;

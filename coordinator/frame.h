@@ -58,6 +58,7 @@ class Frame {
   // What the frame before kept; null: nothing (the shot begins here, or was cut). Once, if it was awaited.
   // Returns the filter tasks that only waited for this.
   std::vector<Work> remember(std::shared_ptr<const Image> history);
+  bool awaits_history() const { return awaits_history_; }
   bool continued() const { return history_ != nullptr; }
   // What this frame keeps for the next one: history_planes() over the frame. Precondition: stopped(), and the
   // filter keeps something.
@@ -87,6 +88,7 @@ class Frame {
   FrameImage image() const;
   Progress progress(double seconds) const;
   bool seen() const { return looks_taken_ > 0; }
+  int round() const { return round_; }  // under way, from 1
 
  private:
   std::vector<Work> start_round(const std::vector<int>& want);

@@ -61,6 +61,8 @@ void validate(const Submission& s) {
   require(std::ranges::find(exr_compressions(), s.compression) != exr_compressions().end(), "compression",
           fmt::format("{}", fmt::join(exr_compressions(), " ")));
   require(std::isfinite(s.exposure) && std::abs(s.exposure) <= kMaxStops, "exposure", "-64 to 64");
+  require(s.layers_for.size() <= kMaxName, "layers_for", "at most 256 bytes");
+  if (!s.layers_for.empty()) parse_filter(s.layers_for);
   validate(s.job);
 }
 

@@ -45,7 +45,8 @@ struct Submission {
   SceneNames names;
   bool transparent = false;  // the scene stands before nothing: previews have coverage
   std::string compression = "zip";
-  double exposure = 0;  // of the previews, stops
+  double exposure = 0;     // of the previews, stops
+  std::string layers_for;  // a filter: all that it takes is written, to all of its bits; empty: none
 
   bool operator==(const Submission&) const = default;
 };

@@ -16,6 +16,12 @@
 
 namespace tessera {
 
+// Of its values, plane after plane, row after row.
+inline Digest digest_of(const Image& pixels) {
+  const auto bytes = std::as_bytes(pixels.data());
+  return sha256({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
 // A worker's result that counted. Its pixels (the sums of the block, or the filtered planes) are kept beside
 // it.
 struct Accepted {

@@ -105,7 +105,8 @@ struct Piece {
 };
 
 enum class JobState : std::uint8_t { queued, active, paused, completed, failed, cancelled };
-enum class FrameState : std::uint8_t { waiting, active, completed, failed };
+// limited: it has an image, but a limit came before the one that was asked for.
+enum class FrameState : std::uint8_t { waiting, active, completed, limited, failed };
 
 struct JobSummary {
   std::uint64_t number = 0;  // in order of submission, from 1

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "coordinator/frame_writer.h"
+
+#include <fmt/format.h>
+
+#include "coordinator/output.h"
+#include "core/exr.h"
+#include "core/png.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The picture, with its coverage where the scene stands before nothing.
+Image preview(const ExrImage& exr, bool transparent) {
+  std::vector<float> data;
+  for (const char* channel : {"R", "G", "B", "A"}) {
+    if (*channel == 'A' && !transparent) continue;
+    const auto plane = exr.pixels.plane(exr.plane(channel));
+    data.insert(data.end(), plane.begin(), plane.end());
+  }
+  const int planes = static_cast<int>(data.size() / exr.pixels.plane(0).size());
+  return {exr.pixels.region(), planes, std::move(data)};
+}
+
+}  // namespace
+
+FrameStyle style_of(const Submission& s, const std::string& version) {
+  FrameStyle style{.version = version,
+                   .names = s.names,
+                   .transparent = s.transparent,
+                   .compression = s.compression,
+                   .exposure = s.exposure};
+  if (!s.layers_for.empty()) style.filter_inputs = parse_filter(s.layers_for).inputs();
+  return style;
+}
+
+void write_frame(const fs::path& exr, const fs::path& png, const Job& job, const JobReport& report,
+                 const FrameStyle& style, const std::string& key) {
+  const Provenance from{.version = style.version,
+                        .device = fmt::format("{}", fmt::join(report.device_classes, "; ")),
+                        .scene_hash = job.scene.hash,
+                        .seconds = report.seconds,
+                        .light_groups = style.names.light_groups,
+                        .objects = style.names.objects,
+                        .materials = style.names.materials,
+                        .dropped = report.dropped,
+                        .key = key,
+                        .filter_inputs = style.filter_inputs};
+  const ExrImage image = layered(job, report.image, from);
+  write_exr(exr, image, style.compression);
+  write_png(png, preview(image, style.transparent), static_cast<float>(style.exposure));
+}
+
+// Without a target there is nothing to fall short of.
+bool fell_short(const Job& job, const FrameImage& image) {
+  return job.acceptance.relmse.has_value() && image.stop != StopReason::accepted;
+}
+
+}  // namespace tessera
