@@ -4,8 +4,10 @@
 #include <openssl/evp.h>
 
 #include <algorithm>
+#include <fstream>
 #include <span>
 #include <stdexcept>
+#include <vector>
 
 namespace tessera {
 namespace {
@@ -50,6 +52,17 @@ std::string sha256(std::string_view bytes) {
   Sha256 hash;
   hash.add(bytes.data(), bytes.size());
   return hash.hex();
+}
+
+std::string sha256_of_file(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  Sha256 hash;
+  std::vector<char> buffer(std::size_t{1} << 20);
+  while (stream) {
+    stream.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+    hash.add(buffer.data(), static_cast<std::size_t>(stream.gcount()));
+  }
+  return stream.eof() ? hash.hex() : "";
 }
 
 bool is_digest(std::string_view text) {

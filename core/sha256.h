@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -23,6 +24,8 @@ class Sha256 {
 };
 
 std::string sha256(std::string_view bytes);
+// Of what is in the file; empty if it cannot be read to its end.
+std::string sha256_of_file(const std::filesystem::path& file);
 
 // What a thing is known by: the SHA-256 of its bytes, as hex() writes it.
 using Digest = std::string;

@@ -40,6 +40,7 @@ wire::SubmissionHead head_of(const Submission& s) {
   head.set_transparent(s.transparent);
   head.set_compression(s.compression);
   head.set_exposure(s.exposure);
+  head.set_layers_for(s.layers_for);
   return head;
 }
 
@@ -82,6 +83,7 @@ void read_head(const std::string& bytes, Submission& s) {
   s.transparent = w.transparent();
   s.compression = text_from(w.compression(), kMaxName, "compression");
   s.exposure = w.exposure();
+  s.layers_for = text_from(w.layers_for(), kMaxName, "layers_for");
 }
 
 }  // namespace
