@@ -104,9 +104,9 @@ Outcome run_shot(const std::shared_ptr<const Scene>& scene, const Shot& shot, in
   std::vector<Hand> hands(static_cast<std::size_t>(workers));
   for (std::size_t i = 0; i < hands.size(); ++i) {
     Hand& hand = hands[i];
-    auto device = Device::open("");
-    const std::string version(kVersion), device_class_here = device_class(version, device->info());
-    hand.runner = make_task_runner(scene_in_hand(scene), std::move(device));
+    DevicePool devices = DevicePool::open({});
+    const std::string version(kVersion), device_class_here = device_class(version, devices.infos());
+    hand.runner = make_task_runner(scene_in_hand(scene), std::move(devices));
     hand.dealer = std::make_unique<ZmqDealer>(context, kEndpoint, fmt::format("worker{}", i));
     hand.worker = std::make_unique<Worker>(
         AgentOptions{.slots = 1, .version = version, .device_class = device_class_here}, *hand.dealer,

@@ -55,15 +55,15 @@ int usable_threads() {
 
 LocalFarm::LocalFarm(std::shared_ptr<const Scene> scene, int threads, const std::string& device,
                      const TextureOptions& textures)
-    : LocalFarm(std::move(scene), threads, Device::open(device), textures) {}
+    : LocalFarm(std::move(scene), threads, DevicePool::open({device}), textures) {}
 
-LocalFarm::LocalFarm(std::shared_ptr<const Scene> scene, int threads, std::unique_ptr<Device> device,
+LocalFarm::LocalFarm(std::shared_ptr<const Scene> scene, int threads, DevicePool devices,
                      const TextureOptions& textures)
     : router_(context_, {kEndpoint}, loud("coordinator")),
       coordinator_(router_, {}),
       dealer_(context_, kEndpoint, "local", loud("worker")),
-      device_class_(device_class(std::string(kVersion), device->info())),
-      runner_(make_task_runner(scene_in_hand(std::move(scene)), std::move(device), 2, textures)),
+      device_class_(device_class(std::string(kVersion), devices.infos())),
+      runner_(make_task_runner(scene_in_hand(std::move(scene)), std::move(devices), 2, textures)),
       worker_({.slots = threads, .version = std::string(kVersion), .device_class = device_class_}, dealer_,
               *runner_),
       thread_([this] { work(); }) {}

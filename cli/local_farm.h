@@ -23,7 +23,7 @@ class LocalFarm {
   Coordinator& coordinator() { return coordinator_; }
 
  private:
-  LocalFarm(std::shared_ptr<const Scene> scene, int threads, std::unique_ptr<Device> device,
+  LocalFarm(std::shared_ptr<const Scene> scene, int threads, DevicePool devices,
             const TextureOptions& textures);
   void work();
 

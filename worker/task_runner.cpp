@@ -2,9 +2,14 @@
 #include "worker/task_runner.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <chrono>
+#include <set>
 
 #include "core/error.h"
 #include "core/plan.h"
+#include "proto/clock.h"
 #include "worker/denoise/runner.h"
 #include "worker/latest_cache.h"
 #include "worker/render/render.h"
@@ -15,10 +20,10 @@ namespace {
 
 class StandardRunner : public TaskRunner {
  public:
-  StandardRunner(SceneSource source, std::unique_ptr<Device> device, std::size_t scenes_kept,
+  StandardRunner(SceneSource source, DevicePool devices, std::size_t scenes_kept,
                  const TextureOptions& textures)
       : source_(std::move(source)),
-        device_(std::move(device)),
+        devices_(std::move(devices)),
         textures_(std::make_shared<tracer::TextureCache>(textures)),
         scenes_(scenes_kept),
         ready_(scenes_kept) {}
@@ -47,12 +52,16 @@ class StandardRunner : public TaskRunner {
     if (input.film.planes() != layout.planes())
       throw Error(ExitCode::internal_error, fmt::format("filter task: the film has {} planes, not {}",
                                                         input.film.planes(), layout.planes()));
-    return FilterDone{.filtered = filter_task(*device_, job.filter, input.film, layout, work.tile,
-                                              job.region(), input.history)};
+    DevicePool::Use use = devices_.use(static_cast<double>(work.tile.outer.area()));
+    const Instant begin = clock_now();
+    FilterDone done{.filtered = filter_task(use.device(), job.filter, input.film, layout, work.tile,
+                                            job.region(), input.history)};
+    use.done(std::chrono::duration<double>(clock_now() - begin).count());
+    return done;
   }
 
   SceneSource source_;
-  std::unique_ptr<Device> device_;                  // shared by the slots
+  DevicePool devices_;                              // shared by the slots
   std::shared_ptr<tracer::TextureCache> textures_;  // shared with the scenes
   LatestCache<Scene> scenes_;                       // by content hash
   LatestCache<RenderScene> ready_;                  // by content hash and preparation
@@ -77,15 +86,15 @@ SceneSource scene_in_hand(std::shared_ptr<const Scene> scene) {
   return [scene = std::move(scene)](const SceneRef&) { return scene; };
 }
 
-std::unique_ptr<TaskRunner> make_task_runner(SceneSource source, std::unique_ptr<Device> device,
-                                             std::size_t scenes_kept, const TextureOptions& textures) {
-  return std::make_unique<StandardRunner>(std::move(source), std::move(device), scenes_kept, textures);
+std::unique_ptr<TaskRunner> make_task_runner(SceneSource source, DevicePool devices, std::size_t scenes_kept,
+                                             const TextureOptions& textures) {
+  return std::make_unique<StandardRunner>(std::move(source), std::move(devices), scenes_kept, textures);
 }
 
-std::string device_class(const std::string& version, const DeviceInfo& device) {
-  return fmt::format("tessera {} {} {} {} {}", version, instruction_sets(), device.name, device.version,
-                     device.driver)
-      .substr(0, 256);
+std::string device_class(const std::string& version, const std::vector<DeviceInfo>& devices) {
+  std::set<std::string> kinds;
+  for (const DeviceInfo& d : devices) kinds.insert(fmt::format("{} {} {}", d.name, d.version, d.driver));
+  return fmt::format("tessera {} {} {}", version, instruction_sets(), fmt::join(kinds, " + ")).substr(0, 256);
 }
 
 }  // namespace tessera

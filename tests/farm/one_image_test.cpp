@@ -20,7 +20,7 @@ class OneImage : public WithDevice {
     return scene;
   }
   static TaskRunner& runner() {
-    static const auto runner = make_task_runner(scene_in_hand(scene()), Device::open(""));
+    static const auto runner = make_task_runner(scene_in_hand(scene()), DevicePool::open({}));
     return *runner;
   }
   // What every farm must deliver: one worker, one tile, a quiet road.
@@ -55,7 +55,7 @@ TEST_F(OneImage, EqualsRenderingAndFilteringTheWholeFrameWithoutAFarm) {
   settings.aovs = film_aovs(job);
   const Block block = render(*prepare(scene()), settings, job.frame, job.region(), {0, 32});
   EXPECT_TRUE(same_bits(farm.image.sums, block.sums));
-  const auto device = Device::open("");
+  const auto device = DevicePool::open({});
   const Filtered whole = filter_task(*device, job.filter, block.sums, FilmLayout(settings.aovs),
                                      {job.region(), job.region()}, job.region());
   EXPECT_TRUE(

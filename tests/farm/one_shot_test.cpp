@@ -35,7 +35,7 @@ class OneShot : public WithDevice, public ::testing::WithParamInterface<const ch
     return scene;
   }
   static TaskRunner& runner() {
-    static const auto runner = make_task_runner(scene_in_hand(scene()), Device::open(""));
+    static const auto runner = make_task_runner(scene_in_hand(scene()), DevicePool::open({}));
     return *runner;
   }
 
