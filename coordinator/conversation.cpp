@@ -233,7 +233,7 @@ void Coordinator::carry_out(const SetAside& c, Instant) {
 
 void Coordinator::carry_out(const ClassChanged& c, Instant) {
   const Active* active = active_of(c.job);
-  if (!active) return;
+  if (!active || c.from.empty()) return;  // the first one is no change
   const std::string text =
       fmt::format("no worker of {} is left: tiles are filtered on {} from here on", c.from, c.to);
   spdlog::warn("coordinator: frame {}: {}", active->frame().job().frame, text);

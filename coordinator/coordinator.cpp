@@ -218,7 +218,7 @@ Instant Coordinator::next_wake(Instant now) const {
 // Earlier frames first, whatever the order in which their tasks become known.
 Standing Coordinator::standing_of(const Active& active) const {
   Standing standing = runs_.at(active.shot).standing;
-  standing.rank += static_cast<std::uint32_t>(active.place);
+  standing.rank += active.place;
   return standing;
 }
 

@@ -88,7 +88,9 @@ class Frame {
   FrameImage image() const;
   Progress progress(double seconds) const;
   bool seen() const { return looks_taken_ > 0; }
-  int round() const { return round_; }  // under way, from 1
+  int round() const { return round_; }                                           // under way, from 1
+  int columns() const { return columns_; }                                       // of cells
+  const std::vector<CellState>& cell_states() const { return decision_.cells; }  // at the last look
 
  private:
   std::vector<Work> start_round(const std::vector<int>& want);

@@ -64,7 +64,7 @@ struct Left {
 
 // Where the tasks of a job stand in line.
 struct Standing {
-  std::uint32_t rank = 0;  // within the flow; the lower, the sooner, then by order of submission
+  std::uint64_t rank = 0;  // within the flow; the lower, the sooner, then by order of submission
   int band = 0;            // the higher, the sooner, always
   std::string flow = {};   // within a band, flows (owners) get equal shares by cost
   bool operator==(const Standing&) const = default;

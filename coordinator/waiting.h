@@ -29,7 +29,7 @@ struct Flow;
 struct Shelf;
 
 using LaneKey = std::tuple<double, std::uint64_t, Lane*>;         // tag and number of its flow
-using LineKey = std::tuple<std::uint32_t, std::uint64_t, Line*>;  // rank, and order of its first task
+using LineKey = std::tuple<std::uint64_t, std::uint64_t, Line*>;  // rank, and order of its first task
 
 // What of a flow stands on one shelf.
 struct Lane {

@@ -75,6 +75,10 @@ class Store {
 
   std::vector<FrameRecord> frames(std::uint64_t job, std::uint32_t from, std::size_t most);  // by place
   void save(std::uint64_t job, const FrameRecord& frame);
+  struct FrameCounts {
+    std::uint32_t all = 0, done = 0, failed = 0;  // done: there is an image
+  };
+  FrameCounts count_frames(std::uint64_t job);
 
   // --- Events. ---
 

@@ -167,4 +167,17 @@ std::vector<JobEvent> Store::events(std::uint64_t job, std::uint64_t after, std:
   return all;
 }
 
+Store::FrameCounts Store::count_frames(std::uint64_t job) {
+  FrameCounts counts;
+  Query found = database_->query("SELECT state, count(*) FROM frames WHERE job = ? GROUP BY state", job);
+  while (found.next()) {
+    const auto state = static_cast<FrameState>(found.whole(0));
+    const auto n = static_cast<std::uint32_t>(found.whole(1));
+    counts.all += n;
+    if (state == FrameState::completed || state == FrameState::limited) counts.done += n;
+    if (state == FrameState::failed) counts.failed += n;
+  }
+  return counts;
+}
+
 }  // namespace tessera

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// A coordinator as a service: many jobs, handed in by message, kept in a store, that survive everything but
+// the loss of the store. One thread, beside the clerk's.
+//
+// A full disk stops the work, and loses none: no task is given out, nothing is taken in, and it goes on by
+// itself as soon as there is room (see trouble()).
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "coordinator/coordinator.h"
+#include "coordinator/farm/clerk.h"
+#include "coordinator/farm/farm_keeper.h"
+#include "coordinator/farm/open_job.h"
+#include "coordinator/queue.h"
+#include "coordinator/store/store.h"
+
+namespace tessera {
+
+struct FarmOptions {
+  CoordinatorOptions coordinator = {};
+  std::filesystem::path store;
+  BlobOptions blobs = {};
+  double memory = 0;                     // bytes that the frames under way may take
+  std::string version;                   // of tessera
+  Millis keep_unused{24 * 3600 * 1000};  // blobs that no job needs, since their last use
+};
+
+class Farm {
+ public:
+  // `road` is borrowed. Throws what Store throws.
+  Farm(Transport& road, FarmOptions options);
+  ~Farm();
+
+  // Works until stop(). Everything is kept: the next farm on the store goes on where this one was.
+  void run();
+  void stop();  // from any thread
+  // One turn of the loop: for those who have a loop of their own.
+  void turn(Instant until);
+
+  // --- What commands may do; the desk sees to it that they may. All throw Error. ---
+
+  // `highest`: the priority that the owner may ask for; more is cut down to it.
+  void submit(const JobName& name, const Digest& submission, const std::string& owner, int highest);
+  void cancel(const JobName& name, const std::string& by);
+  void pause(const JobName& name);
+  void resume(const JobName& name);
+  void set_priority(const JobName& name, int priority);
+  // Has so many of its accepted tasks done again by other workers; what comes of it is told as events.
+  void verify(const JobName& name, int tasks, std::uint64_t seed);
+  void release(const std::string& worker) { coordinator_.release(worker); }
+
+  JobRecord record(const JobName& name);  // throws Error(bad_input) if there is none
+  JobSummary summary(const JobRecord& record);
+  std::vector<FrameSummary> frames(const JobRecord& record, std::uint32_t from, std::size_t most);
+
+  Store& store() { return store_; }
+  const Coordinator& coordinator() const { return coordinator_; }
+  const Queue& queue() const { return queue_; }
+  const std::map<JobName, OpenJob>& open_jobs() const { return open_; }
+  double memory_free() const;
+  // Tasks that were done again, and came out otherwise.
+  std::uint64_t wrong_bits() const { return wrong_bits_; }
+  // Why nothing goes on; empty: it does.
+  const std::string& trouble() const { return trouble_; }
+
+ private:
+  CoordinatorOptions prepared(CoordinatorOptions options);
+  void recover();
+  void open(const JobRecord& record);
+  void begin_jobs();
+  void begin(OpenJob& job);
+  void ended(const JobName& name, std::size_t frame, const JobReport& report);
+  void file_next();
+  void settle(OpenJob& job, std::size_t place);
+  void save(const OpenJob& job);
+  void collect();
+  void file_failed(OpenJob& job, std::size_t place, const JobReport& report);
+  void keep_limits();
+  void end_jobs();
+  void end(OpenJob& job, JobState how, const std::string& reason);
+  void note(const OpenJob& job, const std::string& text) { note(job.record.number, text); }
+  void note(std::uint64_t job, const std::string& text);
+  void have_trouble(const std::string& what);
+  void look_at_trouble(Instant now);
+  bool hungry() const;
+  Standing standing_of(const OpenJob& job) const;
+  double seconds_of(const OpenJob& job) const;
+  OpenJob& open_job(const JobName& name);
+  Submission submission_of(const JobRecord& record);
+  void check(const JobRecord& record, const Job& job, const AcceptedRecord& task);
+
+  FarmOptions options_;
+  Store store_;
+  Coordinator coordinator_;
+  Queue queue_;
+  std::map<JobName, OpenJob> open_;
+  Clerk clerk_;
+  std::deque<Written> unfiled_;  // as the disk is full
+  std::string trouble_;
+  Instant next_look_{}, next_try_{};
+  std::int64_t next_collection_ = 0;
+  std::uint64_t wrong_bits_ = 0;
+  std::atomic<bool> stopped_ = false;
+};
+
+}  // namespace tessera

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+// How the farm's jobs begin, go on and end.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "coordinator/farm/farm.h"
+#include "coordinator/output.h"
+#include "coordinator/resume.h"
+#include "coordinator/store/kept_image.h"
+#include "proto/clock.h"
+#include "proto/submission_codec.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::size_t kPage = 4096;  // rows read at a time
+
+std::vector<FrameRecord> all_frames(Store& store, std::uint64_t job) {
+  std::vector<FrameRecord> all;
+  for (;;) {
+    const auto page = store.frames(job, static_cast<std::uint32_t>(all.size()), kPage);
+    all.insert(all.end(), page.begin(), page.end());
+    if (page.size() < kPage) return all;
+  }
+}
+
+// Two frames of a shot are worked on at a time.
+double bytes_of(const Submission& s) {
+  const std::size_t frames = std::min<std::size_t>(s.frames.size(), Shot{}.in_flight);
+  return Frame::bytes(s.job) * static_cast<double>(frames);
+}
+
+}  // namespace
+
+void Farm::recover() {
+  for (const JobRecord& record : store_.unfinished_jobs()) try {
+      open(record);
+    } catch (const Error& e) {
+      spdlog::error("job {} is lost: {}", record.job, e.what());
+      JobRecord failed = record;
+      failed.state = JobState::failed;
+      failed.reason = e.what();
+      store_.save(failed);
+    }
+  store_.drop_stale_journals();
+  spdlog::info("store: {}, {} jobs to go on with", store_.folder().string(), open_.size());
+}
+
+// Also of a job that was active in an earlier life: it begins where that one left it.
+void Farm::open(const JobRecord& record) {
+  OpenJob job{.record = record, .submission = decode_submission(store_.blobs().read(record.submission))};
+  job.bytes = bytes_of(job.submission);
+  job.seconds_before = record.seconds;
+  if (job.record.state == JobState::active) job.record.state = JobState::queued;
+  queue_.add({.number = record.number,
+              .job = record.job,
+              .owner = record.owner,
+              .priority = record.priority,
+              .after = job.submission.after,
+              .bytes = job.bytes,
+              .state = job.record.state});
+  for (const JobName& before : job.submission.after) {
+    if (queue_.find(before)) continue;
+    if (const auto other = store_.job(before); other && is_over(other->state))
+      queue_.add({.number = other->number, .job = before, .state = other->state});
+  }
+  open_.emplace(record.job, std::move(job));
+}
+
+void Farm::begin_jobs() {
+  for (const auto& [name, why] : queue_.hopeless()) end(open_.at(name), JobState::failed, why);
+  while (const auto name = queue_.next({memory_free(), hungry()})) begin(open_.at(*name));
+}
+
+void Farm::begin(OpenJob& job) {
+  const JobName name = job.record.job;
+  job.jobs = jobs_of(job.submission);
+  job.keys = image_keys(job.jobs);
+  job.frames = all_frames(store_, job.record.number);
+  const StillToDo left = still_to_do(job.jobs, job.frames);
+  job.places = left.places;
+  job.samples_before = 0;
+  for (const FrameRecord& f : job.frames) job.samples_before += f.pixel_samples;
+  job.begun = clock_now();
+  queue_.begin(name);
+  if (left.places.empty()) return;  // killed between its last frame and its end
+  Shot shot;
+  for (const std::size_t place : left.places) shot.frames.push_back(job.jobs[place]);
+  for (const auto& [i, blob] : left.histories)
+    shot.histories[i] =
+        blob.empty() ? nullptr : std::make_shared<const Image>(get_image(store_.blobs(), blob));
+  std::vector<std::string> identities;
+  for (const std::string& key : job.keys) identities.push_back(key + " " + options_.version);
+  job.keeper =
+      std::make_shared<FarmKeeper>(store_, job.record.number, left.places, std::move(identities), job.frames,
+                                   [this](const std::string& what) { have_trouble(what); });
+  JobWatcher watcher{.finished = [this, name](std::size_t i, const JobReport& r) { ended(name, i, r); },
+                     .noted =
+                         [this, name](std::size_t i, const std::string& text) {
+                           OpenJob& noted = open_.at(name);
+                           note(noted, fmt::format("frame {}: {}", noted.jobs[noted.places[i]].frame, text));
+                         }};
+  job.record.state = JobState::active;
+  save(job);
+  note(job, fmt::format("begun: {} of {} frames to do", left.places.size(), job.jobs.size()));
+  job.shot = coordinator_.begin(std::move(shot), standing_of(job), std::move(watcher), job.keeper.get());
+}
+
+// Between the owner's jobs of one priority, the first one first.
+Standing Farm::standing_of(const OpenJob& job) const {
+  return {.rank = job.record.number << 20, .band = job.record.priority, .flow = job.record.owner};
+}
+
+void Farm::ended(const JobName& name, std::size_t i, const JobReport& report) {
+  OpenJob& job = open_.at(name);
+  const std::size_t place = job.places[i];
+  if (report.failure) return file_failed(job, place, report);
+  FrameRecord& frame = job.frames[place];
+  frame.seconds = report.seconds;
+  frame.rounds = report.image.rounds;
+  frame.errors = report.errors;
+  frame.pixel_samples = static_cast<std::uint64_t>(report.image.pixel_samples);
+  frame.acceptable_share = report.image.acceptable_share;
+  if (report.image.rounds > 0) frame.error = report.image.error.mean;
+  job.samples_before += frame.pixel_samples;
+  ++job.writing;
+  const std::string key = report.continued ? job.keys[place] : image_key(job.jobs[place], "");
+  clerk_.write({name, place, job.jobs[place], report, style_of(job.submission, options_.version), key});
+}
+
+void Farm::file_failed(OpenJob& job, std::size_t place, const JobReport& report) {
+  FrameRecord& frame = job.frames[place];
+  frame.state = FrameState::failed;
+  frame.reason = *report.failure;
+  note(job, fmt::format("frame {} failed: {}", frame.frame, frame.reason));
+  try {
+    settle(job, place);
+  } catch (const Error& e) {
+    have_trouble(e.what());  // after a crash it is done again, and fails again
+  }
+}
+
+// What the clerk has written becomes the frame's image; kept for another try if the disk is full.
+void Farm::file_next() {
+  Written& written = unfiled_.front();
+  const auto found = open_.find(written.of.job);
+  if (found == open_.end()) return unfiled_.pop_front();  // cancelled meanwhile
+  OpenJob& job = found->second;
+  if (written.trouble) {
+    have_trouble(*written.trouble);
+    clerk_.write(std::move(written.of));
+    return unfiled_.pop_front();
+  }
+  FrameRecord& frame = job.frames[written.of.place];
+  try {
+    if (frame.image.empty()) frame.image = store_.blobs().put_file(written.exr);
+    if (frame.preview.empty()) frame.preview = store_.blobs().put_file(written.png);
+    frame.kept = job.keeper->keep(written.of.report.kept);
+    const FrameImage& image = written.of.report.image;
+    frame.state = fell_short(written.of.frame, image) ? FrameState::limited : FrameState::completed;
+    settle(job, written.of.place);
+    note(job, fmt::format("frame {}: {}", frame.frame, verdict(written.of.frame, image)));
+  } catch (const Error& e) {
+    return have_trouble(e.what());
+  }
+  --job.writing;
+  unfiled_.pop_front();
+}
+
+// The frame's row says how it ended: from here on it is not done again. Throws StoreError.
+void Farm::settle(OpenJob& job, std::size_t place) {
+  const auto i = static_cast<std::size_t>(std::ranges::find(job.places, place) - job.places.begin());
+  job.keeper->end(i);
+  job.record.pixel_samples = job.samples_before;
+  job.record.seconds = seconds_of(job);
+  save(job);
+}
+
+void Farm::save(const OpenJob& job) try { store_.save(job.record); } catch (const Error& e) {
+  have_trouble(e.what());
+}
+
+double Farm::seconds_of(const OpenJob& job) const {
+  const double now = job.shot ? std::chrono::duration<double>(clock_now() - job.begun).count() : 0;
+  return job.seconds_before + now;
+}
+
+void Farm::keep_limits() {
+  for (auto& [name, job] : open_) {
+    if (!job.shot || job.limit_reached || coordinator_.over(*job.shot)) continue;
+    const JobLimits& limits = job.submission.limits;
+    std::uint64_t samples = job.samples_before;
+    for (const auto& [i, frame] : coordinator_.frames(*job.shot))
+      samples += static_cast<std::uint64_t>(frame.state->frame.progress(0).samples_done);
+    if (limits.seconds && seconds_of(job) > *limits.seconds)
+      job.limit_reached = fmt::format("its limit of {:.0f} s is reached", *limits.seconds);
+    else if (limits.pixel_samples && samples > *limits.pixel_samples)
+      job.limit_reached = fmt::format("its limit of {} pixel samples is reached", *limits.pixel_samples);
+    if (job.limit_reached) coordinator_.interrupt(*job.shot);
+  }
+}
+
+void Farm::end_jobs() {
+  std::vector<JobName> over;
+  for (const auto& [name, job] : open_)
+    if (queue_.find(name)->begun && job.writing == 0 && (!job.shot || coordinator_.over(*job.shot)))
+      over.push_back(name);
+  for (const JobName& name : over) {
+    OpenJob& job = open_.at(name);
+    const auto failed = std::ranges::count(job.frames, FrameState::failed, &FrameRecord::state);
+    if (job.limit_reached)
+      end(job, JobState::failed, *job.limit_reached);
+    else if (failed > 0)
+      end(job, JobState::failed,
+          fmt::format("{} of {} frames failed: {}", failed, job.frames.size(),
+                      std::ranges::find(job.frames, FrameState::failed, &FrameRecord::state)->reason));
+    else
+      end(job, JobState::completed, "");
+  }
+}
+
+void Farm::end(OpenJob& job, JobState how, const std::string& reason) {
+  const JobName name = job.record.job;
+  job.record.seconds = seconds_of(job);
+  if (job.shot && !coordinator_.over(*job.shot)) coordinator_.drop(*job.shot);
+  job.record.state = how;
+  job.record.reason = reason;
+  save(job);
+  note(job, reason.empty() ? "completed" : fmt::format("ended: {}", reason));
+  queue_.end(name, how);
+  open_.erase(name);
+}
+
+}  // namespace tessera
