@@ -13,14 +13,15 @@
 #include "cli/local_farm.h"
 #include "cli/render_options.h"
 #include "cli/render_output.h"
+#include "cli/scene_job.h"
 #include "cli/signals.h"
 #include "cli/subcommand.h"
 #include "cli/under_way.h"
+#include "cli/version.h"
+#include "coordinator/frame_writer.h"
 #include "coordinator/resume.h"
 #include "core/error.h"
-#include "core/scene/facts.h"
 #include "core/scene/load.h"
-#include "core/sequence.h"
 
 namespace tessera {
 namespace {
@@ -55,27 +56,16 @@ void require_memory(const Job& job, std::size_t in_flight) {
                     needed / (1u << 30), there / (1u << 30)));
 }
 
-std::vector<Job> jobs_of(const RenderOptions& o, Job job, const Scene& scene) {
-  job.render.aovs = job.render.aovs | groups_of(o, scene.light_groups.size());
-  job.scene.hash = content_hash(scene);
-  SceneFacts facts = facts_of(scene);
-  std::vector<Job> jobs;
-  std::vector<int> frames = o.frames ? parse_frames(*o.frames) : std::vector{o.frame};
-  if (job.filter.history() > 0) std::ranges::sort(frames);  // each goes by the one before
-  for (const int frame : frames) {
-    Job& next = jobs.emplace_back(job);
-    next.frame = facts.frame = frame;
-    next.filter = resolved(job.filter, facts);
-  }
-  return jobs;
-}
-
 // Frames being rendered into files.
 class Rendering {
  public:
-  Rendering(const RenderOptions& o, const FrameFiles& files, const Scene& scene, std::vector<Job> jobs)
-      : o_(o), files_(files), scene_(scene), jobs_(std::move(jobs)), keys_(image_keys(jobs_)) {
-    for (const Job& job : jobs_) require_foreign(files_.frame(job.frame), o_, scene_);
+  Rendering(const RenderOptions& o, const FrameFiles& files, const Scene& scene, const Submission& all)
+      : o_(o),
+        files_(files),
+        style_(style_of(all, std::string(kVersion))),
+        jobs_(jobs_of(all)),
+        keys_(image_keys(jobs_)) {
+    for (const Job& job : jobs_) require_foreign(files_.frame(job.frame), o_, scene);
     if (o_.frames)
       resume();
     else
@@ -115,7 +105,7 @@ class Rendering {
   }
 
   void snapshot(std::size_t i, const JobReport& report) const try {
-    write_frame(o_, files_.frame(jobs_[i].frame), jobs_[i], scene_, report, "");
+    write(files_.frame(jobs_[i].frame), jobs_[i], report, "");
   } catch (const Error& e) {
     spdlog::error("no snapshot: {}", e.what());  // the frame goes on
   }
@@ -129,7 +119,7 @@ class Rendering {
     if (report.failure) throw Error(code, *report.failure);
     const fs::path file = files_.frame(job.frame);
     const std::string key = code == ExitCode::interrupted ? "" : key_of(i, report);
-    write_frame(o_, file, job, scene_, report, key);
+    write(file, job, report, key);
     if (report.kept && !key.empty()) files_.keep({key, report.kept});
     if (!o_.quiet) summarise(job, report, file);
   } catch (const Error& e) {
@@ -138,6 +128,10 @@ class Rendering {
       failure_ = std::current_exception();
     else
       spdlog::error("frame {}: {}", jobs_[i].frame, e.what());
+  }
+
+  void write(const fs::path& file, const Job& job, const JobReport& report, const std::string& key) const {
+    write_frame(file, fs::path(file).replace_extension(".png"), job, report, style_, key);
   }
 
   // Of the image as it came to be: after a frame that failed, one that goes by nothing.
@@ -158,7 +152,7 @@ class Rendering {
 
   const RenderOptions& o_;
   const FrameFiles& files_;
-  const Scene& scene_;
+  FrameStyle style_;
   std::vector<Job> jobs_;
   std::vector<std::string> keys_;  // of their images
   std::vector<std::size_t> left_;  // of the jobs: still to be done
@@ -180,11 +174,9 @@ int render_scene(const RenderOptions& o) {
   UnderWay under_way;
   const Signals signals([&](int signal) { under_way.hear(signal); });
   const auto scene = std::make_shared<const Scene>(load_scene(o.scene, o.limits));
-  for (const std::string& warning : scene->warnings) spdlog::warn("{}", warning);
-  camera_index(*scene, o.camera);
-  variant_of(*scene, o.variant);
+  check_choices(o, *scene);
 
-  Rendering rendering(o, files, *scene, jobs_of(o, job, *scene));
+  Rendering rendering(o, files, *scene, submission_of(o, *scene));
   if (rendering.nothing_left()) return static_cast<int>(ExitCode::done);
   LocalFarm farm(scene, o.threads.value_or(usable_threads()), o.device, {.memory = o.texture_memory << 20});
   {

@@ -90,12 +90,10 @@ Region crop_region(const std::vector<double>& ndc, Size frame) {
   return r;
 }
 
-void describe(CLI::App& app, RenderOptions& o) {
+// What image, of what, and when it is good enough.
+void describe_job(CLI::App& app, RenderOptions& o) {
   app.add_option("scene", o.scene, "Scene file: .json (native), .gltf, .glb, .obj, .fbx or .ply")
       ->envname("TESSERA_SCENE");
-  app.add_option("-o,--output", o.output,
-                 "EXR to write, of a shot name.####.exr; a PNG preview goes beside it [<scene>.exr]")
-      ->envname("TESSERA_OUTPUT");
   app.add_option(
          "--until", o.until,
          "Stop when the relMSE of every part of the image is below: draft (0.01), good (0.0025), final\n"
@@ -126,7 +124,6 @@ void describe(CLI::App& app, RenderOptions& o) {
   app.add_option("--max-bounces", o.max_bounces, "Scatterings after the first hit")
       ->envname("TESSERA_MAX_BOUNCES")
       ->capture_default_str();
-  app.add_option("--threads", o.threads, "Threads [what this process may use]")->envname("TESSERA_THREADS");
   app.add_option("--tile-size", o.tile_size,
                  "Tiles for filtering: N or WxH pixels; does not change the image")
       ->envname("TESSERA_TILE_SIZE")
@@ -150,6 +147,16 @@ void describe(CLI::App& app, RenderOptions& o) {
   app.add_option("--layers-for", o.layers_for,
                  "A filter: write all that it takes, to all of its bits, for tessera denoise");
   add_limit_option(app, o.limits);
+  add_picture_options(app, o.compression, o.exposure);
+}
+
+// How it is made here, and where it goes.
+void describe(CLI::App& app, RenderOptions& o) {
+  describe_job(app, o);
+  app.add_option("-o,--output", o.output,
+                 "EXR to write, of a shot name.####.exr; a PNG preview goes beside it [<scene>.exr]")
+      ->envname("TESSERA_OUTPUT");
+  app.add_option("--threads", o.threads, "Threads [what this process may use]")->envname("TESSERA_THREADS");
   app.add_option("--texture-memory", o.texture_memory, "MiB of textures held in memory")
       ->check(CLI::Range(std::uint64_t{16}, std::uint64_t{1} << 24))
       ->envname("TESSERA_TEXTURE_MEMORY")
@@ -157,7 +164,6 @@ void describe(CLI::App& app, RenderOptions& o) {
   app.add_option("--device", o.device, "OpenCL device: number or part of its name [first CPU]")
       ->envname("TESSERA_DEVICE");
   app.add_flag("--list-devices", o.list_devices, "List the OpenCL devices and end");
-  add_picture_options(app, o.compression, o.exposure);
   app.add_option("--progress", o.progress, "How to show it")
       ->check(CLI::IsMember(std::vector<std::string>(kProgress.begin(), kProgress.end())))
       ->envname("TESSERA_PROGRESS")

@@ -47,6 +47,8 @@ struct RenderOptions {
 };
 
 void describe(CLI::App&, RenderOptions&);
+// Those that a farm takes, too: what image, and when it is good enough.
+void describe_job(CLI::App&, RenderOptions&);
 
 // The job without its scene's hash. Throws Error(bad_usage) naming the option and what it takes.
 Job job_of(const RenderOptions&);

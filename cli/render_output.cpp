@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "cli/version.h"
 #include "coordinator/frame_writer.h"
 #include "coordinator/output.h"
 
@@ -12,31 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-template <typename T>
-std::vector<std::string> names_of(const std::vector<T>& things) {
-  std::vector<std::string> names;
-  for (const T& t : things) names.push_back(t.name);
-  return names;
-}
-
 }  // namespace
-
-SceneNames names_in(const Scene& scene) {
-  return {.light_groups = scene.light_groups,
-          .objects = names_of(scene.objects),
-          .materials = names_of(scene.materials)};
-}
-
-void write_frame(const RenderOptions& o, const fs::path& file, const Job& job, const Scene& scene,
-                 const JobReport& report, const std::string& key) {
-  FrameStyle style{.version = std::string(kVersion),
-                   .names = names_in(scene),
-                   .transparent = scene.background.kind == Background::Kind::transparent,
-                   .compression = o.compression,
-                   .exposure = o.exposure};
-  if (!o.layers_for.empty()) style.filter_inputs = parse_filter(o.layers_for).inputs();
-  write_frame(file, fs::path(file).replace_extension(".png"), job, report, style, key);
-}
 
 ExitCode exit_code(const Job& job, const JobReport& report) {
   if (report.failure) return report.bad_input ? ExitCode::bad_input : ExitCode::job_failed;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a rendered frame leaves behind: its files, a line on what was achieved, an exit code.
+// What a rendered frame leaves behind besides its files: a line on what was achieved, an exit code.
 #pragma once
 
 #include <filesystem>
@@ -9,15 +9,8 @@
 #include "coordinator/coordinator.h"
 #include "core/error.h"
 #include "core/scene/scene.h"
-#include "core/submission.h"
 
 namespace tessera {
-
-SceneNames names_in(const Scene&);
-
-// The EXR, and a PNG beside it. `key` as in Provenance.
-void write_frame(const RenderOptions&, const std::filesystem::path& file, const Job&, const Scene&,
-                 const JobReport&, const std::string& key);
 
 // On standard output.
 void summarise(const Job&, const JobReport&, const std::filesystem::path& file);

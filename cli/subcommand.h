@@ -19,7 +19,19 @@ int run_list_devices();  // what `devices` does, and render --list-devices
 
 std::function<int()> describe_render(CLI::App&);
 std::function<int()> describe_denoise(CLI::App&);
+std::function<int()> describe_cancel(CLI::App&);
 std::function<int()> describe_compare(CLI::App&);
+std::function<int()> describe_coordinator(CLI::App&);
+std::function<int()> describe_fetch(CLI::App&);
+std::function<int()> describe_jobs(CLI::App&);
+std::function<int()> describe_pause(CLI::App&);
+std::function<int()> describe_priority(CLI::App&);
+std::function<int()> describe_release(CLI::App&);
+std::function<int()> describe_resume(CLI::App&);
+std::function<int()> describe_submit(CLI::App&);
+std::function<int()> describe_verify(CLI::App&);
+std::function<int()> describe_worker(CLI::App&);
+std::function<int()> describe_workers(CLI::App&);
 std::function<int()> describe_devices(CLI::App&);
 std::function<int()> describe_filters(CLI::App&);
 std::function<int()> describe_keygen(CLI::App&);

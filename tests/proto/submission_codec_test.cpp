@@ -64,7 +64,6 @@ TEST(SubmissionCodec, WhatCannotBeSoIsRefusedByTheNameOfItsField) {
   EXPECT_THAT(complaint([](auto& s) { s.names.objects = {std::string(257, 'x')}; }), HasSubstr("objects"));
   EXPECT_THAT(complaint([](auto& s) { s.compression = "zap"; }), HasSubstr("compression"));
   EXPECT_THAT(complaint([](auto& s) { s.exposure = NAN; }), HasSubstr("exposure"));
- s.layers_for = "svgf";
   EXPECT_THAT(complaint([](auto& s) { s.job.task_samples = 0; }), HasSubstr("task_samples"));
   EXPECT_THAT(complaint([](auto& s) { s.job.scene.path = std::string(5000, 'x'); }), HasSubstr("path"));
 }

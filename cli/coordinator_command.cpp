@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// tessera coordinator: a farm's centre, as a service.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "cli/endpoint.h"
+#include "cli/key_options.h"
+#include "cli/key_watch.h"
+#include "cli/log_options.h"
+#include "cli/signals.h"
+#include "cli/subcommand.h"
+#include "cli/version.h"
+#include "coordinator/farm/farm.h"
+#include "proto/zmq_transport.h"
+
+namespace tessera {
+namespace {
+
+struct CoordinatorCommand {
+  std::vector<std::string> listen{std::string(kFarmAddress)};
+  std::string store = "tessera-store";
+  std::uint64_t memory = 0;       // MiB; 0: half of what there is
+  std::uint64_t store_limit = 0;  // MiB; 0: as much as the disk has
+  double silence = 10;            // seconds
+  int failures = SchedulerOptions{}.max_attempts;
+  KeyFiles keys;
+  LogOptions log{.level = "info"};
+};
+
+double memory_of(const CoordinatorCommand& c) {
+  if (c.memory > 0) return static_cast<double>(c.memory) * (1 << 20);
+  return 0.5 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+FarmOptions options_of(const CoordinatorCommand& c) {
+  FarmOptions options{.store = c.store, .memory = memory_of(c), .version = std::string(kVersion)};
+  SchedulerOptions& scheduler = options.coordinator.scheduler;
+  scheduler.silence = Millis(static_cast<std::int64_t>(c.silence * 1000));
+  scheduler.grace = std::min(scheduler.grace, scheduler.silence / 2);
+  scheduler.max_attempts = c.failures;
+  options.coordinator.heartbeat = std::min(Millis(1000), scheduler.silence / 5);
+  if (c.store_limit > 0) options.blobs.most = c.store_limit << 20;
+  return options;
+}
+
+int run_coordinator(const CoordinatorCommand& c) {
+  set_up_log(c.log);
+  Farm* farm = nullptr;
+  std::mutex mutex;
+  bool ended = false;
+  const Signals signals([&](int signal) {
+    const std::lock_guard lock(mutex);
+    if (signal == SIGUSR1) return;
+    ended = true;
+    if (farm) farm->stop();
+  });
+  std::vector<std::string> endpoints;
+  for (const std::string& address : c.listen) endpoints.push_back(endpoint_of("--listen", address, true));
+  ZmqContext context(2);
+  ZmqOptions road{.high_water = 100'000};
+  road.on_dropped = [](std::string_view why) { spdlog::warn("coordinator: dropped: {}", why); };
+  const auto keys = read_server_keys(c.keys);
+  ZmqRouter router(context, endpoints, road, keys);
+  std::optional<KeyWatch> watch;
+  if (keys) watch.emplace(c.keys, router, [](std::string_view what) { spdlog::warn("coordinator: {}", what); });
+  Farm service(router, options_of(c));
+  spdlog::info("coordinator: tessera {} listens on {}{}", kVersion, fmt::join(router.endpoints(), ", "),
+               keys ? ", with keys" : "");
+  {
+    const std::lock_guard lock(mutex);
+    farm = &service;
+    if (ended) service.stop();
+  }
+  service.run();
+  const std::lock_guard lock(mutex);
+  farm = nullptr;
+  spdlog::info("coordinator: ends; its jobs go on when it is started again");
+  return 0;
+}
+
+}  // namespace
+
+std::function<int()> describe_coordinator(CLI::App& app) {
+  auto c = std::make_shared<CoordinatorCommand>();
+  app.add_option("--listen", c->listen,
+                 "HOST:PORT or ipc://PATH, several times if need be; beyond this machine only with keys")
+      ->envname("TESSERA_LISTEN")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--store", c->store, "Folder in which jobs, scenes and images are kept")
+      ->envname("TESSERA_STORE")
+      ->capture_default_str();
+  app.add_option("--memory", c->memory, "MiB that frames under way may take [half of this machine's]")
+      ->envname("TESSERA_MEMORY");
+  app.add_option("--store-limit", c->store_limit, "MiB of scenes and images to keep at most [no limit]")
+      ->envname("TESSERA_STORE_LIMIT");
+  app.add_option("--silence", c->silence, "Seconds without a word after which a worker is given up")
+      ->check(CLI::Range(0.2, 3600.0))
+      ->envname("TESSERA_SILENCE")
+      ->capture_default_str();
+  app.add_option("--failures", c->failures, "Workers that may fail a task before its job fails")
+      ->check(CLI::Range(1, 100))
+      ->envname("TESSERA_FAILURES")
+      ->capture_default_str();
+  add_server_key_options(app, c->keys);
+  add_log_options(app, c->log);
+  return [c] { return run_coordinator(*c); };
+}
+
+}  // namespace tessera

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/farm_link.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <random>
+
+namespace tessera {
+
+void add_link_options(CLI::App& app, LinkOptions& o) {
+  app.add_option("--coordinator", o.coordinator, "HOST:PORT of the farm's coordinator, or ipc://PATH")
+      ->envname("TESSERA_COORDINATOR")
+      ->capture_default_str();
+  app.add_option("--timeout", o.timeout, "Seconds to wait for an answer")
+      ->check(CLI::Range(0.1, 86'400.0))
+      ->envname("TESSERA_TIMEOUT")
+      ->capture_default_str();
+  add_client_key_options(app, o.keys);
+}
+
+std::string own_id(const std::string& word) {
+  std::string id;
+  for (const char c : word.substr(0, 40)) id += c > ' ' && c < 0x7f ? c : '_';
+  std::random_device chance;
+  return fmt::format("{}-{:08x}{:08x}", id, chance(), chance());
+}
+
+std::unique_ptr<ZmqDealer> road_to(ZmqContext& context, const LinkOptions& o, const std::string& id) {
+  ZmqOptions road;
+  road.on_dropped = [](std::string_view why) { spdlog::warn("dropped: {}", why); };
+  return std::make_unique<ZmqDealer>(context, endpoint_of("--coordinator", o.coordinator, false), id, road,
+                                     read_client_keys(o.keys));
+}
+
+FarmLink::FarmLink(const LinkOptions& o)
+    : client_(road_to(context_, o, own_id("client")),
+              {.patience = Millis(static_cast<std::int64_t>(o.timeout * 1000))}) {}
+
+}  // namespace tessera
