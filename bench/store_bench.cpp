@@ -73,7 +73,7 @@ void results(const std::filesystem::path& folder, int count, int edge, int plane
   row(what + ", to rows at the frame's end", count, count * each,
       spent_on([&] { store.finish(kJob, frames[0], std::move(*journal)); }));
   store.collect(0);
-  fmt::print("{:<58} {:>9.0f} bytes a row\n", "",
+  fmt::print("{:<58} {:>9.0f} bytes a task, of the database\n", "",
              static_cast<double>(std::filesystem::file_size(folder / "store" / "store.sqlite-wal") +
                                  std::filesystem::file_size(folder / "store" / "store.sqlite")) /
                  count);
