@@ -103,7 +103,8 @@ inline Submission sample_submission() {
   s.names = {{"key", "fill"}, {"lamp", "", "chair"}, {"oak"}};
   s.transparent = true;
   s.compression = "piz";
-  s.exposure = -1.5, .layers_for = "svgf";
+  s.exposure = -1.5;
+  s.layers_for = "svgf";
   return s;
 }
 
