@@ -199,6 +199,7 @@ ZmqRouter::ZmqRouter(ZmqContext& context, const std::vector<std::string>& endpoi
   const bool closed = keys.has_value();
   inside_ = std::make_unique<Inside>(context, std::move(options), std::move(keys));
   zmq::socket_t& socket = inside_->socket.socket();
+  socket.set(zmq::sockopt::backlog, 1024);  // a whole farm that comes back at once
   for (const std::string& endpoint : endpoints) {
     if (!closed && !is_loopback(endpoint))
       throw Error(ExitCode::bad_usage,

@@ -125,6 +125,8 @@ TEST_P(OverEveryRoad, MailThatIsNoMessageIsCountedAndDropped) {
   ASSERT_TRUE(mail);
   EXPECT_EQ(mail->from, "worker-1");
   EXPECT_EQ(router.dropped(), 5u);
+  EXPECT_EQ(router.counts().alien, 4u);
+  EXPECT_EQ(router.counts().bad_id, 1u);
 }
 
 TEST(ZmqRouter, ReportsWhyMailWasDropped) {
