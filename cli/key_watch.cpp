@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
-#include <array>
 #include <utility>
 
 #include "core/error.h"
@@ -12,22 +11,13 @@
 namespace tessera {
 namespace {
 
-// What differs when a file was changed or another put in its place; all zero if there is none.
-struct Stamp {
-  dev_t device = 0;
-  ino_t file = 0;
-  off_t size = 0;
-  std::int64_t seconds = 0, nanoseconds = 0;
-  bool operator==(const Stamp&) const = default;
-};
-
-Stamp stamp(const std::filesystem::path& file) {
+FileStamp stamp(const std::filesystem::path& file) {
   struct stat s = {};
   if (file.empty() || stat(file.c_str(), &s) != 0) return {};
-  return {s.st_dev, s.st_ino, s.st_size, s.st_mtim.tv_sec, s.st_mtim.tv_nsec};
+  return {s.st_dev, s.st_ino, static_cast<std::uint64_t>(s.st_size), s.st_mtim.tv_sec, s.st_mtim.tv_nsec};
 }
 
-std::array<Stamp, 3> stamps(const KeyFiles& files) {
+std::array<FileStamp, 3> stamps(const KeyFiles& files) {
   return {stamp(files.key), stamp(files.allow), stamp(files.server_key)};
 }
 
@@ -61,6 +51,7 @@ KeyWatch::KeyWatch(KeyFiles files, std::function<std::string()> reload, Say say,
       reload_(std::move(reload)),
       say_(std::move(say)),
       interval_(interval),
+      taken_(stamps(files_)),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 KeyWatch::~KeyWatch() = default;
@@ -72,7 +63,7 @@ void KeyWatch::look() {
 }
 
 void KeyWatch::run(const std::stop_token& stop) {
-  auto taken = stamps(files_), before = taken;
+  auto before = taken_;
   while (!stop.stop_requested()) {
     {
       std::unique_lock lock(mutex_);
@@ -85,9 +76,9 @@ void KeyWatch::run(const std::stop_token& stop) {
       const std::lock_guard lock(mutex_);
       asked = std::exchange(asked_, false);
     }
-    if (asked || (now != taken && now == before)) {
+    if (asked || (now != taken_ && now == before)) {
       try_reload();
-      taken = now;
+      taken_ = now;
     }
     before = now;
   }

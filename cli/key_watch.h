@@ -3,7 +3,9 @@
 // say now. Files that cannot be read, or say nothing that is accepted, leave the keys from before in force.
 #pragma once
 
+#include <array>
 #include <condition_variable>
+#include <cstdint>
 #include <functional>
 #include <mutex>
 #include <string_view>
@@ -14,6 +16,13 @@
 #include "proto/zmq_transport.h"
 
 namespace tessera {
+
+// What differs when a file was changed or another put in its place; all zero if there is none.
+struct FileStamp {
+  std::uint64_t device = 0, file = 0, size = 0;
+  std::int64_t seconds = 0, nanoseconds = 0;
+  bool operator==(const FileStamp&) const = default;
+};
 
 class KeyWatch {
  public:
@@ -37,7 +46,8 @@ class KeyWatch {
   std::function<std::string()> reload_;  // says what it took over; throws Error
   Say say_;
   Millis interval_;
-  std::mutex mutex_;  // guards the next
+  std::array<FileStamp, 3> taken_;  // as they were when they were last read; from before the thread begins
+  std::mutex mutex_;                // guards the next
   bool asked_ = false;
   std::condition_variable_any bell_;
   std::jthread thread_;
