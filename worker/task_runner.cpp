@@ -25,6 +25,7 @@ class StandardRunner : public TaskRunner {
       : source_(std::move(source)),
         devices_(std::move(devices)),
         textures_(std::make_shared<tracer::TextureCache>(textures)),
+        cores_(tracer::kept_cores(scenes_kept)),
         scenes_(scenes_kept),
         ready_(scenes_kept) {}
 
@@ -37,8 +38,9 @@ class StandardRunner : public TaskRunner {
  private:
   TaskResult run(const Job& job, const RenderTask& work, const std::atomic<bool>& cancel) {
     const auto loaded = scenes_.find_or_make(job.scene.hash, [&] { return source_(job.scene); });
-    const auto scene = ready_.find_or_make(job.scene.hash + ' ' + preparation(*loaded, job.render, job.frame),
-                                           [&] { return prepare(loaded, job.render, job.frame, textures_); });
+    const auto scene =
+        ready_.find_or_make(job.scene.hash + ' ' + preparation(*loaded, job.render, job.frame),
+                            [&] { return prepare(loaded, job.render, job.frame, textures_, cores_); });
     RenderSettings settings = job.render;
     settings.aovs = film_aovs(job);
     RenderDone done{.block = render(*scene, settings, job.frame, work.region, work.samples, &cancel)};
@@ -63,6 +65,7 @@ class StandardRunner : public TaskRunner {
   SceneSource source_;
   DevicePool devices_;                              // shared by the slots
   std::shared_ptr<tracer::TextureCache> textures_;  // shared with the scenes
+  tracer::CoreSource cores_;                        // shared by scenes of the same shapes
   LatestCache<Scene> scenes_;                       // by content hash
   LatestCache<RenderScene> ready_;                  // by content hash and preparation
 };

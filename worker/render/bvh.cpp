@@ -2,6 +2,7 @@
 #include "worker/render/bvh.h"
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 #include <string>
 
@@ -17,13 +18,13 @@ struct EmbreeRelease {
 template <typename T>
 using Owned = std::unique_ptr<std::remove_pointer_t<T>, EmbreeRelease>;
 
-// Who is asked about a hit, and what about.
-struct Doubt {
-  const Geometry* geometry;
-  Solid solid;
-};
-
 namespace {
+
+// Who is asked about a hit, and what about: of the scene that is traced, so it comes with each packet.
+struct Asking : RTCIntersectContext {
+  const Geometry* geometry;
+  const Solid* solid;
+};
 
 void check(RTCDevice device) {
   const RTCError error = rtcGetDeviceError(device);
@@ -35,24 +36,24 @@ void check(RTCDevice device) {
 
 // Drops the hits that `solid` denies; Embree goes on behind them.
 void drop_holes(const RTCFilterFunctionNArguments* args) {
-  const Doubt& doubt = *static_cast<const Doubt*>(args->geometryUserPtr);
+  const Asking& asking = *static_cast<const Asking*>(args->context);
   const unsigned n = args->N;
   for (unsigned i = 0; i < n; ++i) {
     if (args->valid[i] == 0) continue;
     const unsigned instance = RTCHitN_instID(args->hit, n, i, 0);
     Hit hit{instance != RTC_INVALID_GEOMETRY_ID ? instance : RTCHitN_geomID(args->hit, n, i),
             RTCHitN_primID(args->hit, n, i), RTCHitN_u(args->hit, n, i), RTCHitN_v(args->hit, n, i)};
-    const Piece::Kind kind = doubt.geometry->pieces[hit.piece].kind;
+    const Piece::Kind kind = asking.geometry->pieces[hit.piece].kind;
     if (kind == Piece::Kind::spheres || kind == Piece::Kind::disks) {
       const float t = RTCRayN_tfar(args->ray, n, i);
       const Vec3 at(RTCRayN_org_x(args->ray, n, i) + t * RTCRayN_dir_x(args->ray, n, i),
                     RTCRayN_org_y(args->ray, n, i) + t * RTCRayN_dir_y(args->ray, n, i),
                     RTCRayN_org_z(args->ray, n, i) + t * RTCRayN_dir_z(args->ray, n, i));
-      const Vec2 uv = doubt.geometry->shape_uv(hit, at);
+      const Vec2 uv = asking.geometry->shape_uv(hit, at);
       hit.u = uv.x;
       hit.v = uv.y;
     }
-    if (!doubt.solid(hit, RTCRayN_id(args->ray, n, i))) args->valid[i] = 0;
+    if (!(*asking.solid)(hit, RTCRayN_id(args->ray, n, i))) args->valid[i] = 0;
   }
 }
 
@@ -65,8 +66,10 @@ Owned<RTCScene> new_scene(RTCDevice device) {
 Owned<RTCGeometry> triangles(RTCDevice device, const Geometry& geometry, std::uint32_t piece, bool placed) {
   const Mesh& mesh = geometry.mesh(piece);
   Owned<RTCGeometry> g(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
-  rtcSetSharedGeometryBuffer(g.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
-                             sizeof(mesh.triangles[0]), mesh.triangles.size());
+  void* index = rtcSetNewGeometryBuffer(g.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                        sizeof(mesh.triangles[0]), mesh.triangles.size());
+  check(device);
+  std::memcpy(index, mesh.triangles.data(), sizeof(mesh.triangles[0]) * mesh.triangles.size());
   auto* corner = static_cast<Vec3*>(rtcSetNewGeometryBuffer(
       g.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3), mesh.positions.size()));
   check(device);
@@ -142,8 +145,7 @@ Owned<RTCGeometry> instance(RTCDevice device, RTCScene of, const Geometry& geome
 
 }  // namespace
 
-struct Bvh::Contents {
-  Doubt doubt;
+struct BvhCore::Contents {
   Owned<RTCDevice> device;
   std::vector<Owned<RTCScene>> shared;  // scenes of the meshes that are there more than once
   Owned<RTCScene> scene;
@@ -151,14 +153,19 @@ struct Bvh::Contents {
 
 namespace {
 
+// No ray meets the piece.
+bool is_nowhere(const Geometry& geometry, std::uint32_t piece) {
+  const Piece& p = geometry.pieces[piece];
+  return p.seen_by == 0 || (p.kind == Piece::Kind::mesh && geometry.mesh(piece).triangles.empty());
+}
+
 // Makes the pieces one by one. A mesh that is there once and rests is put into the world as it is, for that
 // is faster to trace; one that moves or is there more often is shared.
 class Builder {
  public:
-  Builder(const Doubt& doubt, const std::function<bool(int)>& masked, RTCDevice device,
+  Builder(const Geometry& geometry, const std::function<bool(int)>& masked, RTCDevice device,
           std::vector<Owned<RTCScene>>& shared)
-      : geometry_(*doubt.geometry),
-        doubt_(doubt),
+      : geometry_(geometry),
         masked_(masked),
         device_(device),
         shared_(shared),
@@ -209,14 +216,12 @@ class Builder {
     return g;
   }
 
-  void ask(RTCGeometry g) {
-    rtcSetGeometryUserData(g, const_cast<Doubt*>(&doubt_));
+  static void ask(RTCGeometry g) {
     rtcSetGeometryIntersectFilterFunction(g, drop_holes);
     rtcSetGeometryOccludedFilterFunction(g, drop_holes);
   }
 
   const Geometry& geometry_;
-  const Doubt& doubt_;
   const std::function<bool(int)>& masked_;
   RTCDevice device_;
   std::vector<Owned<RTCScene>>& shared_;
@@ -226,8 +231,8 @@ class Builder {
 
 }  // namespace
 
-Bvh::Bvh(const Geometry& geometry, const std::function<bool(int)>& masked, Solid solid)
-    : contents_(new Contents{{&geometry, std::move(solid)}, nullptr, {}, nullptr}) {
+BvhCore::BvhCore(const Geometry& geometry, const std::function<bool(int)>& masked)
+    : contents_(std::make_unique<Contents>()) {
   Contents& c = *contents_;
   // Builds with all threads of TBB: Embree sorts the primitives of each leaf, so that their number does not
   // show, not even in which of two coplanar surfaces is hit.
@@ -235,10 +240,9 @@ Bvh::Bvh(const Geometry& geometry, const std::function<bool(int)>& masked, Solid
   if (!c.device) throw Error(ExitCode::internal_error, "Embree does not start");
   RTCDevice device = c.device.get();
   c.scene = new_scene(device);
-  Builder builder(c.doubt, masked, device, c.shared);
+  Builder builder(geometry, masked, device, c.shared);
   for (std::uint32_t i = 0; i < geometry.pieces.size(); ++i) {
-    const Piece& p = geometry.pieces[i];
-    if (p.seen_by == 0 || (p.kind == Piece::Kind::mesh && geometry.mesh(i).triangles.empty())) continue;
+    if (is_nowhere(geometry, i)) continue;
     const Owned<RTCGeometry> g = builder.build(i);
     rtcCommitGeometry(g.get());
     rtcAttachGeometryByID(c.scene.get(), g.get(), i);
@@ -247,37 +251,44 @@ Bvh::Bvh(const Geometry& geometry, const std::function<bool(int)>& masked, Solid
   check(device);
 }
 
+BvhCore::~BvhCore() = default;
+
+Bvh::Bvh(const Geometry& geometry, std::shared_ptr<const BvhCore> core, Solid solid)
+    : core_(std::move(core)), geometry_(geometry), solid_(std::move(solid)) {}
+
 Bvh::~Bvh() = default;
 
 namespace {
 
-RTCIntersectContext context(RTCIntersectContextFlags flags) {
-  RTCIntersectContext c;
+Asking context(RTCIntersectContextFlags flags, const Geometry& geometry, const Solid& solid) {
+  Asking c;
   rtcInitIntersectContext(&c);
   c.flags = flags;
+  c.geometry = &geometry;
+  c.solid = &solid;
   return c;
 }
 
 }  // namespace
 
 void Bvh::intersect_coherent(Packet& packet) const {
-  RTCIntersectContext c = context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
-  rtcIntersect16(packet.active, contents_->scene.get(), &c, &packet.r);
+  Asking c = context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT, geometry_, solid_);
+  rtcIntersect16(packet.active, core_->contents().scene.get(), &c, &packet.r);
 }
 
 void Bvh::intersect(Packet& packet) const {
-  RTCIntersectContext c = context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
-  rtcIntersect16(packet.active, contents_->scene.get(), &c, &packet.r);
+  Asking c = context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT, geometry_, solid_);
+  rtcIntersect16(packet.active, core_->contents().scene.get(), &c, &packet.r);
 }
 
 void Bvh::occluded(ShadowPacket& packet) const {
-  RTCIntersectContext c = context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
-  rtcOccluded16(packet.active, contents_->scene.get(), &c, &packet.r);
+  Asking c = context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT, geometry_, solid_);
+  rtcOccluded16(packet.active, core_->contents().scene.get(), &c, &packet.r);
 }
 
 Bvh::Bounds Bvh::bounds() const {
   RTCBounds b;
-  rtcGetSceneBounds(contents_->scene.get(), &b);
+  rtcGetSceneBounds(core_->contents().scene.get(), &b);
   if (!(b.lower_x <= b.upper_x)) return {Vec3(0, 0, 0), Vec3(0, 0, 0)};
   return {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
 }

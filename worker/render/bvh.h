@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 
+#include "core/sha256.h"
 #include "worker/render/geometry.h"
 
 namespace tessera::tracer {
@@ -52,10 +53,31 @@ void clear(P& packet) {
 // in any order, any number of times. The hit's u and v are the texture coordinates if it is on a shape.
 using Solid = std::function<bool(const Hit&, std::uint32_t seed)>;
 
+// What Embree builds, which takes the most of what it takes to make a scene ready: made of shapes alone, so
+// that scenes of other materials, lights and cameras share it.
+class BvhCore {
+ public:
+  // `geometry` is read, not kept. `masked` says on which materials' surfaces hits are to be asked about.
+  BvhCore(const Geometry& geometry, const std::function<bool(int material)>& masked);
+  ~BvhCore();
+  BvhCore(const BvhCore&) = delete;
+  BvhCore& operator=(const BvhCore&) = delete;
+
+  struct Contents;
+  const Contents& contents() const { return *contents_; }
+
+ private:
+  std::unique_ptr<Contents> contents_;
+};
+
+// Equal for geometries of which equal cores are built.
+Digest core_key(const Geometry& geometry, const std::function<bool(int material)>& masked);
+
 class Bvh {
  public:
-  // `geometry` is borrowed and must outlive this. `masked` says which materials `solid` is to be asked for.
-  Bvh(const Geometry& geometry, const std::function<bool(int material)>& masked, Solid solid);
+  // `geometry` is borrowed and must outlive this; `core` is one of it. `solid` is asked about hits on masked
+  // surfaces.
+  Bvh(const Geometry& geometry, std::shared_ptr<const BvhCore> core, Solid solid);
   ~Bvh();
   Bvh(const Bvh&) = delete;
   Bvh& operator=(const Bvh&) = delete;
@@ -72,8 +94,9 @@ class Bvh {
   Bounds bounds() const;
 
  private:
-  struct Contents;
-  std::unique_ptr<Contents> contents_;
+  std::shared_ptr<const BvhCore> core_;
+  const Geometry& geometry_;
+  Solid solid_;
 };
 
 inline void Packet::set(int lane, const Vec3& origin, const Vec3& direction, float far,

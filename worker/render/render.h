@@ -4,6 +4,8 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -15,7 +17,17 @@ namespace tessera {
 
 namespace tracer {
 class TextureCache;
-}
+class BvhCore;
+class Geometry;
+
+// Where acceleration structures come from; empty: they are built. `masked`: see bvh.h.
+using CoreSource = std::function<std::shared_ptr<const BvhCore>(
+    const Geometry&, const std::function<bool(int material)>& masked)>;
+
+// Keeps the last `most`, by what they are built of: scenes that differ in materials, lights or cameras alone
+// share one. Any thread.
+CoreSource kept_cores(std::size_t most);
+}  // namespace tracer
 
 // A scene made ready for rays: acceleration structure, light and texture tables. Immutable, shared by
 // threads.
@@ -26,7 +38,8 @@ class RenderScene;
 // Ready for one frame's shutter and for the chosen variant.
 std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene>, const RenderSettings& = {},
                                            int frame = 0,
-                                           std::shared_ptr<tracer::TextureCache> cache = nullptr);
+                                           std::shared_ptr<tracer::TextureCache> cache = nullptr,
+                                           const tracer::CoreSource& cores = {});
 
 // Equal for frames and settings between which what prepare() makes of this scene is the same.
 std::string preparation(const Scene&, const RenderSettings&, int frame);

@@ -49,6 +49,12 @@ bool there(float opacity, const tracer::Hit& hit, std::uint32_t seed) {
          opacity;
 }
 
+std::shared_ptr<const tracer::BvhCore> core_of(const tracer::Geometry& geometry,
+                                               const std::function<bool(int)>& masked,
+                                               const tracer::CoreSource& cores) {
+  return cores ? cores(geometry, masked) : std::make_shared<const tracer::BvhCore>(geometry, masked);
+}
+
 bool any_material(const Scene& scene, const auto& is) {
   return std::any_of(scene.materials.begin(), scene.materials.end(), is);
 }
@@ -61,16 +67,18 @@ tracer::Shutter tracer::shutter_of(const Scene& scene, const Camera& camera, dou
 }
 
 RenderScene::RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shutter,
-                         tracer::LightChoice choice, std::shared_ptr<tracer::TextureCache> cache)
+                         tracer::LightChoice choice, std::shared_ptr<tracer::TextureCache> cache,
+                         const tracer::CoreSource& cores)
     : scene_(std::move(scene)),
       shutter_(shutter),
       geometry_(*scene_, shutter),
       materials_(*scene_, std::move(cache)),
-      bvh_(
-          geometry_, [this](int material) { return materials_.masked(material); },
-          [this](const tracer::Hit& hit, std::uint32_t seed) {
-            return there(materials_.opacity(geometry_, hit), hit, seed);
-          }),
+      bvh_(geometry_,
+           core_of(
+               geometry_, [this](int material) { return materials_.masked(material); }, cores),
+           [this](const tracer::Hit& hit, std::uint32_t seed) {
+             return there(materials_.opacity(geometry_, hit), hit, seed);
+           }),
       diameter_(diameter_of(bvh_)),
       lights_(*scene_, geometry_, materials_, diameter_ / 2, choice),
       moves_(false),
@@ -90,10 +98,11 @@ Vec3 RenderScene::frames_later(const tracer::Hit& hit, const Vec3& position, int
 }
 
 std::shared_ptr<const RenderScene> prepare(std::shared_ptr<const Scene> scene, const RenderSettings& settings,
-                                           int frame, std::shared_ptr<tracer::TextureCache> cache) {
+                                           int frame, std::shared_ptr<tracer::TextureCache> cache,
+                                           const tracer::CoreSource& cores) {
   const tracer::Shutter shutter = shutter_for(*scene, settings, frame);
   return std::make_shared<RenderScene>(varied(std::move(scene), settings.variant), shutter,
-                                       tracer::LightChoice::tree, std::move(cache));
+                                       tracer::LightChoice::tree, std::move(cache), cores);
 }
 
 std::string preparation(const Scene& scene, const RenderSettings& settings, int frame) {

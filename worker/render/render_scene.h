@@ -19,7 +19,8 @@ class RenderScene {
  public:
   explicit RenderScene(std::shared_ptr<const Scene> scene, tracer::Shutter shutter = {},
                        tracer::LightChoice choice = tracer::LightChoice::tree,
-                       std::shared_ptr<tracer::TextureCache> cache = nullptr);
+                       std::shared_ptr<tracer::TextureCache> cache = nullptr,
+                       const tracer::CoreSource& cores = {});
 
   const Scene& scene() const { return *scene_; }
   const tracer::Geometry& geometry() const { return geometry_; }

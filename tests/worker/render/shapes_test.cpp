@@ -133,8 +133,9 @@ TEST(Holes, AreWhereTheTextureOfAShapeSaysAndKnowTheSeedOfTheRay) {
   scene.disks.push_back({.center = {9, 0, 0}, .normal = {0, 0, 1}, .radius = 1});
   const Geometry geometry(scene);
   // Solid on the half of small u, and only for odd seeds.
+  const auto everywhere = [](int) { return true; };
   const Bvh bvh(
-      geometry, [](int) { return true; },
+      geometry, std::make_shared<const BvhCore>(geometry, everywhere),
       [&](const Hit& hit, std::uint32_t seed) { return geometry.uv(hit).x < 0.5f && seed % 2 == 1; });
   for (const std::uint32_t seed : {7u, 8u}) {
     const RayTraits traits{.seed = seed};
