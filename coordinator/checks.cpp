@@ -33,7 +33,8 @@ bool Coordinator::assign_check(const AssignTask& c) {
 bool Coordinator::accept_check(const Accept& c, Instant now) {
   const auto found = checks_.find(c.task);
   if (found == checks_.end()) return false;
-  CheckResult result{.worker = in_hand_from_, .name = workers_[in_hand_from_].name};
+  WorkerRecord stranger{.name = in_hand_from_};
+  CheckResult result{.worker = in_hand_from_, .name = record_of(in_hand_from_, stranger).name};
   if (auto* render = std::get_if<RenderDone*>(&in_hand_))
     result.digest = digest_of((*render)->block.sums);
   else

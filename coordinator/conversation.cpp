@@ -19,11 +19,10 @@ std::uint64_t bytes_of(const FilterInput& input) {
 
 }  // namespace
 
+// Who may say what is the road's to see to (proto/rights.h).
 void Coordinator::hear(Mail mail, Instant now) {
   if (const auto* ask = std::get_if<Ask>(&mail.message)) return answer(mail.from, *ask, mail.who);
-  if (mail.who.worker) return hear_worker(mail.from, mail.message, now);
-  spdlog::warn("coordinator: {} speaks as a worker, but the key of {} is none of a worker", mail.from,
-               mail.who.name);
+  hear_worker(mail.from, mail.message, now);
 }
 
 void Coordinator::hear_worker(const WorkerId& from, Message& any, Instant now) {
@@ -122,12 +121,18 @@ void Coordinator::take(const WorkerId& from, Result& result, Instant now) {
 }
 
 void Coordinator::failed(const WorkerId& from, TaskFailed& message, Instant now) {
-  WorkerRecord& record = workers_[from];
+  WorkerRecord stranger{.name = from};
+  WorkerRecord& record = record_of(from, stranger);
   ++record.failed;
   if (const auto task = tasks_.find(message.task); task != tasks_.end())
     note(active_.at(task->second.job), fmt::format("worker {} failed a task, attempt {}: {}", record.name,
                                                    message.attempt, message.reason));
   tell(Failed{from, message.task, message.attempt, message.reason, message.bad_input}, now);
+}
+
+WorkerRecord& Coordinator::record_of(const WorkerId& worker, WorkerRecord& stranger) {
+  const auto known = workers_.find(worker);
+  return known == workers_.end() ? stranger : known->second;
 }
 
 void Coordinator::note(const Active& active, const std::string& text) const {
@@ -184,7 +189,8 @@ void Coordinator::carry_out(const Accept& c, Instant now) {
   const auto node = tasks_.extract(c.task);
   if (node.empty()) return;
   Active& active = active_.at(node.mapped().job);
-  WorkerRecord& worker = workers_[in_hand_from_];
+  WorkerRecord stranger;
+  WorkerRecord& worker = record_of(in_hand_from_, stranger);
   active.state.device_classes.insert(worker.device_class);
   ++worker.done;
   Accepted accepted{.work = node.mapped().work,
@@ -217,7 +223,8 @@ void Coordinator::carry_out(const GiveUp& c, Instant now) {
 }
 
 void Coordinator::carry_out(const Forget& c, Instant) {
-  WorkerRecord& record = workers_[c.worker];
+  WorkerRecord stranger{.name = c.worker};
+  WorkerRecord& record = record_of(c.worker, stranger);
   record.present = false;
   const std::string text = fmt::format("worker {} fell silent; its tasks go to others", record.name);
   spdlog::warn("coordinator: {}", text);

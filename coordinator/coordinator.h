@@ -158,6 +158,8 @@ class Coordinator {
   void advance(Active& active, Instant now);
   void show(Instant now, bool one_ended);
   void dismiss(const Active& active, Instant now);
+  // `stranger`, if it is not known (any more).
+  WorkerRecord& record_of(const WorkerId& worker, WorkerRecord& stranger);
   void note(const Active& active, const std::string& text) const;
   const Run& run_of(const Active& active) const { return runs_.at(active.shot); }
   Standing standing_of(const Active& active) const;

@@ -99,6 +99,11 @@ void Queue::resume(const JobName& name) {
 
 void Queue::set_priority(const JobName& name, int priority) { jobs_.at(name).priority = priority; }
 
+void Queue::forget(const JobName& name) {
+  assert(is_over(jobs_.at(name).state));
+  jobs_.erase(name);
+}
+
 void Queue::end(const JobName& name, JobState how) {
   assert(is_over(how));
   QueuedJob& job = jobs_.at(name);

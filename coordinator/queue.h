@@ -52,6 +52,7 @@ class Queue {
   void resume(const JobName& job);  // whatever is paused
   void set_priority(const JobName& job, int priority);
   void end(const JobName& job, JobState how);  // completed, failed or cancelled
+  void forget(const JobName& job);             // that is over; no other comes after it
 
  private:
   bool ready(const QueuedJob& job) const;

@@ -7,12 +7,20 @@
 
 namespace tessera {
 
-Clerk::Clerk(std::filesystem::path folder, std::function<void()> rung)
-    : folder_(std::move(folder)),
-      rung_(std::move(rung)),
-      thread_([this](const std::stop_token& token) { live(token); }) {
-  std::filesystem::create_directories(folder_);
+namespace {
+
+std::filesystem::path emptied(std::filesystem::path folder) {
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  return folder;
 }
+
+}  // namespace
+
+Clerk::Clerk(std::filesystem::path folder, std::function<void()> rung)
+    : folder_(emptied(std::move(folder))),
+      rung_(std::move(rung)),
+      thread_([this](const std::stop_token& token) { live(token); }) {}
 
 Clerk::~Clerk() = default;
 

@@ -36,7 +36,8 @@ struct Written {
 
 class Clerk {
  public:
-  // Files are made in `folder`; `rung` is called, in the clerk's thread, whenever something is done.
+  // Files are made in `folder`, of which all that is there is removed; `rung` is called, in the clerk's
+  // thread, whenever something is done.
   Clerk(std::filesystem::path folder, std::function<void()> rung);
   ~Clerk();
 

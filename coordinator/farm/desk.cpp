@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "proto/clock.h"
+#include "proto/rights.h"
 
 namespace tessera {
 namespace {
@@ -23,17 +24,13 @@ struct Desk {
   const Identity& who;
 
   BlobStore& blobs() { return farm.store().blobs(); }
-  bool may_submit() const { return who.submitter || who.administrator; }
-
   Reply operator()(const WhichLack& q) {
-    require(may_submit(), who, "upload");
     Lacking lacking;
     for (const Digest& blob : q.blobs)
       if (const auto known = blobs().known(blob); !known.whole) lacking.blobs.push_back({blob, known.have});
     return lacking;
   }
   Reply operator()(const PutPiece& q) {
-    require(may_submit(), who, "upload");
     if (!farm.trouble().empty()) throw StoreFull(farm.store().folder(), farm.trouble());
     const std::uint64_t have = blobs().take_piece(q.blob, q.size, q.offset, q.bytes);
     if (have >= q.offset + q.bytes.size()) return Agreed{};
@@ -44,7 +41,6 @@ struct Desk {
     return Piece{q.blob, blobs().size(q.blob), q.offset, blobs().read_piece(q.blob, q.offset, kPieceBytes)};
   }
   Reply operator()(const Submit& q) {
-    require(may_submit(), who, "submit jobs");
     farm.submit(q.job, q.submission, who.name, who.administrator ? kHighestPriority : kUsualPriority);
     return Agreed{};
   }
@@ -104,7 +100,6 @@ struct Desk {
     return list;
   }
   Reply operator()(const ReleaseWorker& q) {
-    require(who.administrator, who, "release workers");
     farm.release(q.worker);
     return Agreed{};
   }
@@ -113,6 +108,7 @@ struct Desk {
 }  // namespace
 
 Reply answer(Farm& farm, const Question& question, const Identity& who) {
+  if (const auto why = why_not(who, question)) return Denied{ExitCode::bad_usage, *why};
   try {
     return std::visit(Desk{farm, who}, question);
   } catch (const Error& e) {

@@ -8,11 +8,8 @@
 
 namespace tessera {
 
-// Never throws: what goes wrong is a Denied.
-//
-//   anybody with a key   blobs by their digests, lists and states
-//   submitters           uploads and jobs; of their own jobs: cancel, pause, resume, verify, priorities up to
-//   50 administrators       all of that, of any job; any priority; releases workers
+// Never throws: what goes wrong is a Denied. Who may ask what at all is said in proto/rights.h; besides that,
+// submitters change their own jobs only, and give priorities up to 50.
 Reply answer(Farm& farm, const Question& question, const Identity& who);
 
 }  // namespace tessera

@@ -77,6 +77,7 @@ class Farm {
   void open(const JobRecord& record);
   void begin_jobs();
   void begin(OpenJob& job);
+  StillToDo look_for_work(OpenJob& job, std::map<std::size_t, std::shared_ptr<const Image>>& histories);
   void ended(const JobName& name, std::size_t frame, const JobReport& report);
   void file_next();
   void settle(OpenJob& job, std::size_t place);

@@ -71,7 +71,35 @@ void Farm::open(const JobRecord& record) {
 
 void Farm::begin_jobs() {
   for (const auto& [name, why] : queue_.hopeless()) end(open_.at(name), JobState::failed, why);
-  while (const auto name = queue_.next({memory_free(), hungry()})) begin(open_.at(*name));
+  while (const auto name = queue_.next({memory_free(), hungry()})) {
+    OpenJob& job = open_.at(*name);
+    try {
+      begin(job);
+    } catch (const Error& e) {
+      end(job, JobState::failed, e.what());
+    }
+  }
+}
+
+// What the frames before have kept for the first ones that are to be done. A frame whose history is damaged
+// has the one before done again.
+StillToDo Farm::look_for_work(OpenJob& job, std::map<std::size_t, std::shared_ptr<const Image>>& histories) {
+  for (;;) {
+    StillToDo left = still_to_do(job.jobs, job.frames);
+    std::size_t at = 0;
+    try {
+      for (const auto& [i, blob] : left.histories) {
+        at = i;
+        histories[i] =
+            blob.empty() ? nullptr : std::make_shared<const Image>(get_image(store_.blobs(), blob));
+      }
+      return left;
+    } catch (const StoreError& e) {
+      spdlog::error("store: {}; the frame is done again", e.what());
+      job.frames[left.places[at] - 1].kept.clear();
+      histories.clear();
+    }
+  }
 }
 
 void Farm::begin(OpenJob& job) {
@@ -79,18 +107,15 @@ void Farm::begin(OpenJob& job) {
   job.jobs = jobs_of(job.submission);
   job.keys = image_keys(job.jobs);
   job.frames = all_frames(store_, job.record.number);
-  const StillToDo left = still_to_do(job.jobs, job.frames);
+  Shot shot;
+  const StillToDo left = look_for_work(job, shot.histories);
   job.places = left.places;
   job.samples_before = 0;
   for (const FrameRecord& f : job.frames) job.samples_before += f.pixel_samples;
   job.begun = clock_now();
   queue_.begin(name);
   if (left.places.empty()) return;  // killed between its last frame and its end
-  Shot shot;
   for (const std::size_t place : left.places) shot.frames.push_back(job.jobs[place]);
-  for (const auto& [i, blob] : left.histories)
-    shot.histories[i] =
-        blob.empty() ? nullptr : std::make_shared<const Image>(get_image(store_.blobs(), blob));
   std::vector<std::string> identities;
   for (const std::string& key : job.keys) identities.push_back(key + " " + options_.version);
   job.keeper =
@@ -231,6 +256,10 @@ void Farm::end(OpenJob& job, JobState how, const std::string& reason) {
   note(job, reason.empty() ? "completed" : fmt::format("ended: {}", reason));
   queue_.end(name, how);
   open_.erase(name);
+  const auto waits = [&name](const auto& other) {
+    return std::ranges::count(other.second.submission.after, name) > 0;
+  };
+  if (std::ranges::none_of(open_, waits)) queue_.forget(name);
 }
 
 }  // namespace tessera

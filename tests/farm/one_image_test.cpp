@@ -55,7 +55,7 @@ TEST_F(OneImage, EqualsRenderingAndFilteringTheWholeFrameWithoutAFarm) {
   settings.aovs = film_aovs(job);
   const Block block = render(*prepare(scene()), settings, job.frame, job.region(), {0, 32});
   EXPECT_TRUE(same_bits(farm.image.sums, block.sums));
-  const auto device = DevicePool::open({});
+  const auto device = Device::open("");
   const Filtered whole = filter_task(*device, job.filter, block.sums, FilmLayout(settings.aovs),
                                      {job.region(), job.region()}, job.region());
   EXPECT_TRUE(

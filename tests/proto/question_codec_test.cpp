@@ -187,7 +187,7 @@ TEST(QuestionCodec, NumbersOfJobsOutOfRangeAreRefused) {
 }
 
 TEST(QuestionCodec, NumbersOfFramesOutOfRangeAreRefused) {
-  EXPECT_THAT(of_frame([](auto& s) { s.state = static_cast<FrameState>(4); }), StartsWith("message: state"));
+  EXPECT_THAT(of_frame([](auto& s) { s.state = static_cast<FrameState>(5); }), StartsWith("message: state"));
   EXPECT_THAT(of_frame([](auto& s) { s.round = -1; }), StartsWith("message: round"));
   EXPECT_THAT(of_frame([](auto& s) { s.tiles = -1; }), StartsWith("message: tiles"));
   EXPECT_THAT(of_frame([](auto& s) { s.tiles_done = 9; }), StartsWith("message: tiles_done"));
