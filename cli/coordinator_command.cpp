@@ -7,14 +7,13 @@
 
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <optional>
 
 #include "cli/endpoint.h"
 #include "cli/key_options.h"
 #include "cli/key_watch.h"
 #include "cli/log_options.h"
-#include "cli/signals.h"
+#include "cli/service_signals.h"
 #include "cli/subcommand.h"
 #include "cli/version.h"
 #include "coordinator/farm/farm.h"
@@ -52,15 +51,7 @@ FarmOptions options_of(const CoordinatorCommand& c) {
 
 int run_coordinator(const CoordinatorCommand& c) {
   set_up_log(c.log);
-  Farm* farm = nullptr;
-  std::mutex mutex;
-  bool ended = false;
-  const Signals signals([&](int signal) {
-    const std::lock_guard lock(mutex);
-    if (signal == SIGUSR1) return;
-    ended = true;
-    if (farm) farm->stop();
-  });
+  ServiceSignals signals;
   std::vector<std::string> endpoints;
   for (const std::string& address : c.listen) endpoints.push_back(endpoint_of("--listen", address, true));
   ZmqContext context(2);
@@ -69,18 +60,19 @@ int run_coordinator(const CoordinatorCommand& c) {
   const auto keys = read_server_keys(c.keys);
   ZmqRouter router(context, endpoints, road, keys);
   std::optional<KeyWatch> watch;
-  if (keys) watch.emplace(c.keys, router, [](std::string_view what) { spdlog::warn("coordinator: {}", what); });
+  if (keys)
+    watch.emplace(c.keys, router, [](std::string_view what) { spdlog::warn("coordinator: {}", what); });
   Farm service(router, options_of(c));
   spdlog::info("coordinator: tessera {} listens on {}{}", kVersion, fmt::join(router.endpoints(), ", "),
                keys ? ", with keys" : "");
   {
-    const std::lock_guard lock(mutex);
-    farm = &service;
-    if (ended) service.stop();
+    const ServiceSignals::Reach reach(
+        signals, [&] { service.stop(); },
+        [&] {
+          if (watch) watch->look();
+        });
+    service.run();
   }
-  service.run();
-  const std::lock_guard lock(mutex);
-  farm = nullptr;
   spdlog::info("coordinator: ends; its jobs go on when it is started again");
   return 0;
 }

@@ -24,9 +24,10 @@ void listen(const std::stop_token& over, const sigset_t& set, const std::functio
 
 }  // namespace
 
-Signals::Signals(std::function<void(int)> heard) {
+Signals::Signals(std::function<void(int)> heard, std::initializer_list<int> others) {
   sigemptyset(&set_);
   for (int signal : {SIGINT, SIGTERM, SIGUSR1, kNudge}) sigaddset(&set_, signal);
+  for (int signal : others) sigaddset(&set_, signal);
   pthread_sigmask(SIG_BLOCK, &set_, nullptr);
   thread_ = std::jthread(
       [set = set_, heard = std::move(heard)](const std::stop_token& over) { listen(over, set, heard); });

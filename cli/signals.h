@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// SIGINT, SIGTERM and SIGUSR1 as calls on a thread of their own, so that no handler runs inside anything.
+// SIGINT, SIGTERM, SIGUSR1 and, if wanted, others as calls on a thread of their own, so that no handler runs
+// inside anything.
 #pragma once
 
 #include <csignal>
 #include <functional>
+#include <initializer_list>
 #include <thread>
 
 namespace tessera {
@@ -12,7 +14,7 @@ namespace tessera {
 // A second SIGINT or SIGTERM ends the process at once, with 130.
 class Signals {
  public:
-  explicit Signals(std::function<void(int signal)> heard);
+  explicit Signals(std::function<void(int signal)> heard, std::initializer_list<int> others = {});
   ~Signals();
   Signals(const Signals&) = delete;
 

@@ -13,10 +13,10 @@
 
 #include "cli/farm_link.h"
 #include "cli/key_watch.h"
-#include "cli/local_farm.h"
 #include "cli/limit_options.h"
+#include "cli/local_farm.h"
 #include "cli/log_options.h"
-#include "cli/signals.h"
+#include "cli/service_signals.h"
 #include "cli/subcommand.h"
 #include "cli/version.h"
 #include "worker/bundle_source.h"
@@ -89,17 +89,8 @@ int ending(const WorkerEnd& end) {
 
 int run_worker(const WorkerCommand& c) {
   set_up_log(c.log);
-  std::mutex mutex;
-  Worker* worker = nullptr;
   Grace grace(c.grace);
-  bool ended = false;
-  const Signals signals([&](int signal) {
-    if (signal == SIGUSR1) return;
-    const std::lock_guard lock(mutex);
-    ended = true;
-    grace.begin();
-    if (worker) worker->stop();
-  });
+  ServiceSignals signals([&] { grace.begin(); });
   const std::string name = c.name.empty() ? host_name() : c.name, id = own_id(name);
   ZmqContext context;
   const auto keys = read_client_keys(c.link.keys);
@@ -112,21 +103,23 @@ int run_worker(const WorkerCommand& c) {
                              .version = std::string(kVersion),
                              .device_class = device_class(std::string(kVersion), devices.infos()),
                              .name = name};
-  const auto cache = std::make_shared<AssetCache>(AssetCacheOptions{cache_folder(c.cache), c.cache_size << 20});
+  const auto cache =
+      std::make_shared<AssetCache>(AssetCacheOptions{cache_folder(c.cache), c.cache_size << 20});
   const auto connect = [&] { return std::make_unique<FarmClient>(road_to(context, c.link, own_id(name))); };
   const auto runner = make_task_runner(scenes_of_farm(cache, connect, c.limits), std::move(devices), 2,
                                        {.memory = c.texture_memory << 20});
   Worker works(options, *road, *runner);
   spdlog::info("worker: {} works for {} with {} slots on {}", name, c.link.coordinator, options.slots,
                options.device_class);
+  WorkerEnd end;
   {
-    const std::lock_guard lock(mutex);
-    worker = &works;
-    if (ended) works.stop();
+    const ServiceSignals::Reach reach(
+        signals, [&] { works.stop(); },
+        [&] {
+          if (watch) watch->look();
+        });
+    end = works.run();
   }
-  const WorkerEnd end = works.run();
-  const std::lock_guard lock(mutex);
-  worker = nullptr;
   grace.over();
   return ending(end);
 }
