@@ -142,8 +142,9 @@ void Coordinator::note(const Active& active, const std::string& text) const {
 // A filter task counts as much as it takes to render a few samples of its pixels.
 Wish Coordinator::wish_of(const Active& active, TaskId id, const Work& work) const {
   constexpr double kFilterCost = 4;
-  Wish wish{.task = id, .job = active.id, .scene = active.frame().job().scene.hash};
+  Wish wish{.task = id, .job = active.id};
   if (const auto* render = std::get_if<RenderTask>(&work)) {
+    wish.scene = active.frame().job().scene.hash;
     wish.cost = static_cast<double>(render->region.area() * render->samples.count());
     return wish;
   }

@@ -116,9 +116,9 @@ Scheduler::Task* Scheduler::double_for(const Worker& worker) {
 // The first filter task of a job that is given out decides on which class does the others.
 void Scheduler::entrust(Task& task, Worker& worker, Attempt attempt) {
   if (task.filter && !class_for(task)) {
-    const std::string last = task.job->last_class;
+    const std::optional<std::string> last = task.job->last_class;
     ledger_.choose_class(*task.job, worker.device_class);
-    if (last != task.job->last_class) out_.push_back(ClassChanged{task.job->id, last, task.job->last_class});
+    if (last != task.job->last_class) out_.push_back(ClassChanged{task.job->id, last.value_or(""), *task.job->last_class});
   }
   ledger_.lend(task, worker, attempt, now_);
 }

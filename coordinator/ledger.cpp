@@ -94,7 +94,7 @@ void Ledger::erase(Job& job) {
 }
 
 void Ledger::forget_if_idle(Job& job) {
-  if (job.tasks.empty() && !job.paused && job.last_class.empty()) jobs_.erase(JobId(job.id));
+  if (job.tasks.empty() && !job.paused && !job.last_class) jobs_.erase(JobId(job.id));
 }
 
 // --- Tasks. ---

@@ -169,9 +169,9 @@ struct Job {
   JobId id = 0;
   Standing standing;
   bool paused = false;
-  DeviceClass* filter_class = nullptr;  // that does its filter tasks; none: the first one that gets one
-  std::string last_class;               // the one before, or this one
-  std::set<std::string> spoiled;        // classes all of whose workers failed at one of its filter tasks
+  DeviceClass* filter_class = nullptr;    // that does its filter tasks; none: the first one that gets one
+  std::optional<std::string> last_class;  // the one before, or this one; none: no class was chosen yet
+  std::set<std::string> spoiled;          // classes all of whose workers failed at one of its filter tasks
   std::list<Task> tasks;
   std::map<std::pair<bool, Terms>, Line> lines;
 };

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "coordinator/farm/desk.h"
 #include "proto/clock.h"
@@ -14,6 +15,7 @@ namespace tessera {
 namespace {
 
 constexpr Millis kLook{50};     // between looks at what may begin and which limits are reached
+constexpr Millis kRest{1000};   // the same without jobs
 constexpr Millis kTry{2000};    // between tries to go on after trouble with the store
 constexpr int kTasksASlot = 2;  // that wait: fewer, and workers will soon have nothing to do
 constexpr std::int64_t kCollection = 3600 * 1000;  // ms between collections of blobs that nobody needs
@@ -54,9 +56,13 @@ void Farm::turn(Instant until) {
   const Instant now = clock_now();
   look_at_trouble(now);
   while (trouble_.empty() && !unfiled_.empty()) file_next();
+  if (std::exchange(changed_, false) || now >= next_look_) look(now);
+}
+
+// At what may end, or begin.
+void Farm::look(Instant now) {
+  next_look_ = now + (open_.empty() ? kRest : kLook);
   end_jobs();
-  if (now < next_look_) return;
-  next_look_ = now + kLook;
   keep_limits();
   if (trouble_.empty()) begin_jobs();
 }

@@ -90,6 +90,7 @@ class Farm {
   void note(const OpenJob& job, const std::string& text) { note(job.record.number, text); }
   void note(std::uint64_t job, const std::string& text);
   void have_trouble(const std::string& what);
+  void look(Instant now);
   void look_at_trouble(Instant now);
   bool hungry() const;
   Standing standing_of(const OpenJob& job) const;
@@ -106,6 +107,7 @@ class Farm {
   Clerk clerk_;
   std::deque<Written> unfiled_;  // as the disk is full
   std::string trouble_;
+  bool changed_ = true;  // something has ended, or may begin
   Instant next_look_{}, next_try_{};
   std::int64_t next_collection_ = 0;
   std::uint64_t wrong_bits_ = 0;

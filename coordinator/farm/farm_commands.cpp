@@ -94,7 +94,7 @@ void Farm::submit(const JobName& name, const Digest& digest, const std::string& 
   if (!added.fresh) return;
   open(added.job);
   note(open_.at(name), fmt::format("submitted by {}: {} frames", owner, s.frames.size()));
-  next_look_ = {};
+  changed_ = true;
 }
 
 OpenJob& Farm::open_job(const JobName& name) {
@@ -128,7 +128,7 @@ void Farm::resume(const JobName& name) {
   if (job.shot && trouble_.empty()) coordinator_.resume(*job.shot);
   save(job);
   note(job, "goes on");
-  next_look_ = {};
+  changed_ = true;
 }
 
 void Farm::set_priority(const JobName& name, int priority) {
@@ -138,7 +138,7 @@ void Farm::set_priority(const JobName& name, int priority) {
   if (job.shot && !coordinator_.over(*job.shot)) coordinator_.set_standing(*job.shot, standing_of(job));
   save(job);
   note(job, fmt::format("has priority {}", priority));
-  next_look_ = {};
+  changed_ = true;
 }
 
 JobRecord Farm::record(const JobName& name) {

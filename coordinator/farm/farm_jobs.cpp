@@ -139,6 +139,7 @@ Standing Farm::standing_of(const OpenJob& job) const {
 }
 
 void Farm::ended(const JobName& name, std::size_t i, const JobReport& report) {
+  changed_ = true;
   OpenJob& job = open_.at(name);
   const std::size_t place = job.places[i];
   if (report.failure) return file_failed(job, place, report);
@@ -191,6 +192,7 @@ void Farm::file_next() {
     return have_trouble(e.what());
   }
   --job.writing;
+  changed_ = true;
   unfiled_.pop_front();
 }
 
@@ -254,6 +256,7 @@ void Farm::end(OpenJob& job, JobState how, const std::string& reason) {
   job.record.reason = reason;
   save(job);
   note(job, reason.empty() ? "completed" : fmt::format("ended: {}", reason));
+  changed_ = true;  // others may come after it, or take its room
   queue_.end(name, how);
   open_.erase(name);
   const auto waits = [&name](const auto& other) {

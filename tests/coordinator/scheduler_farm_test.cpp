@@ -116,6 +116,20 @@ TEST(FarmScheduler, OneDeviceClassFiltersAFrameUntilItsLastWorkerLeaves) {
               ElementsAre(ClassChanged{1, "cpu", "gpu"}, AssignTask{"b", 10, 2}, AssignTask{"b", 11, 1}));
 }
 
+TEST(FarmScheduler, AClassWithoutANameIsAClass) {
+  Scheduler s(kPlain);
+  s.handle(Joined{"a", 1, ""}, at(0));
+  Wish filter;
+  filter.filter = true;
+  s.handle(job(1, 10, 1, {}, filter), at(0));
+  s.handle(Done{"a", 10, 1}, at(1));  // nothing is left of the job, but its class
+  s.handle(Joined{"b", 1, ""}, at(1));
+  s.handle(Left{"a"}, at(2));
+  s.handle(job(1, 11, 1, {}, filter), at(2));
+  s.handle(Left{"b"}, at(3));
+  EXPECT_EQ(only<AssignTask>(s.handle(Joined{"c", 1, ""}, at(4))).front().task, 11u);
+}
+
 TEST(FarmScheduler, ATaskWaitsRatherThanGoToWhomItAvoids) {
   Scheduler s(kPlain);
   s.handle(Joined{"a", 1}, at(0));
