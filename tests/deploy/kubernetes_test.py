@@ -58,7 +58,10 @@ def check_container(container, pod, name, volumes):
     names = {port["name"] for port in container.get("ports", [])}
     for probe in ("startupProbe", "readinessProbe", "livenessProbe"):
         if probe in container:
-            check(container[probe]["tcpSocket"]["port"] in names, f"{where}: {probe} asks what is not there")
+            words = container[probe].get("exec", {}).get("command", [""])
+            asks_health = "/dev/tcp/127.0.0.1/7712;" in words[-1] and "GET /healthz " in words[-1]
+            check(asks_health or container[probe].get("tcpSocket", {}).get("port") in names,
+                  f"{where}: {probe} asks what is not there")
     if "args" not in container:
         return
     check_command(findings, tessera, container["args"], where)

@@ -63,7 +63,9 @@ render() {
   test -s "/srv/tessera/$1.exr"
 }
 render one
+systemctl reload tessera-coordinator tessera-worker
 is tessera-worker NRestarts 0
+is tessera-coordinator NRestarts 0
 
 kill -KILL "$(state tessera-coordinator MainPID)"
 until_true is tessera-coordinator NRestarts 1
