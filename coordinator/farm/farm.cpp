@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <random>
 #include <utility>
 
 #include "coordinator/farm/desk.h"
@@ -36,8 +37,8 @@ CoordinatorOptions Farm::prepared(CoordinatorOptions options) {
   options.answer = [this](const Question& question, const Identity& who) {
     return answer(*this, question, who);
   };
-  // Microseconds since 1970: ahead of what any earlier life has reached, whose workers may still be at it.
-  if (options.first_id == 1) options.first_id = static_cast<std::uint64_t>(unix_ms()) * 1000;
+  // By chance, and far apart: workers may still be at what an earlier life has numbered.
+  if (options.first_id == 1) options.first_id += (std::uint64_t{std::random_device{}()} >> 1) << 32;
   return options;
 }
 
