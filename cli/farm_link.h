@@ -16,7 +16,7 @@ namespace tessera {
 
 struct LinkOptions {
   std::string coordinator{kFarmAddress};
-  double timeout = 10;  // seconds
+  double timeout = 30;  // seconds
   KeyFiles keys;
 };
 
