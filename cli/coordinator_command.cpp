@@ -17,6 +17,8 @@
 #include "cli/subcommand.h"
 #include "cli/version.h"
 #include "coordinator/farm/farm.h"
+#include "coordinator/farm/http.h"
+#include "proto/clock.h"
 #include "proto/zmq_transport.h"
 
 namespace tessera {
@@ -27,7 +29,9 @@ struct CoordinatorCommand {
   std::string store = "tessera-store";
   std::uint64_t memory = 0;       // MiB; 0: half of what there is
   std::uint64_t store_limit = 0;  // MiB; 0: as much as the disk has
-  double silence = 10;            // seconds
+  std::string http{kHttpAddress};
+  bool http_asked = false;  // for that address
+  double silence = 10;      // seconds
   int failures = SchedulerOptions{}.max_attempts;
   KeyFiles keys;
   LogOptions log{.level = "info"};
@@ -49,6 +53,20 @@ FarmOptions options_of(const CoordinatorCommand& c) {
   return options;
 }
 
+// A coordinator is no worse for a second one beside it that has the usual port.
+std::unique_ptr<HttpServer> open_http(const CoordinatorCommand& c, const FigureBoard& board) try {
+  if (c.http == "none") return nullptr;
+  const HostPort at = parse_host_port("--http", c.http, parse_host_port("--http", kHttpAddress, 0).port);
+  auto server = std::make_unique<HttpServer>(at.host, at.port, board, clock_now);
+  spdlog::info("coordinator: http://{}:{}/metrics and /healthz", c.http.substr(0, c.http.rfind(':')),
+               server->port());
+  return server;
+} catch (const Error& e) {
+  if (c.http_asked || e.code() != ExitCode::unreachable) throw;
+  spdlog::warn("coordinator: {}; there are no metrics", e.what());
+  return nullptr;
+}
+
 int run_coordinator(const CoordinatorCommand& c) {
   set_up_log(c.log);
   ServiceSignals signals;
@@ -62,7 +80,14 @@ int run_coordinator(const CoordinatorCommand& c) {
   std::optional<KeyWatch> watch;
   if (keys)
     watch.emplace(c.keys, router, [](std::string_view what) { spdlog::warn("coordinator: {}", what); });
-  Farm service(router, options_of(c));
+  FigureBoard board;
+  FarmOptions options = options_of(c);
+  options.publish = [&](FarmFigures figures) {
+    figures.router = router.counts();
+    board.post(std::make_shared<const FarmFigures>(std::move(figures)), clock_now());
+  };
+  Farm service(router, std::move(options));
+  const auto http = open_http(c, board);
   spdlog::info("coordinator: tessera {} listens on {}{}", kVersion, fmt::join(router.endpoints(), ", "),
                keys ? ", with keys" : "");
   {
@@ -93,6 +118,11 @@ std::function<int()> describe_coordinator(CLI::App& app) {
       ->envname("TESSERA_MEMORY");
   app.add_option("--store-limit", c->store_limit, "MiB of scenes and images to keep at most [no limit]")
       ->envname("TESSERA_STORE_LIMIT");
+  CLI::Option* http =
+      app.add_option("--http", c->http,
+                     "HOST:PORT of this machine for GET /metrics (Prometheus) and /healthz; none: neither")
+          ->envname("TESSERA_HTTP")
+          ->capture_default_str();
   app.add_option("--silence", c->silence, "Seconds without a word after which a worker is given up")
       ->check(CLI::Range(0.2, 3600.0))
       ->envname("TESSERA_SILENCE")
@@ -103,7 +133,10 @@ std::function<int()> describe_coordinator(CLI::App& app) {
       ->capture_default_str();
   add_server_key_options(app, c->keys);
   add_log_options(app, c->log);
-  return [c] { return run_coordinator(*c); };
+  return [c, http] {
+    c->http_asked = http->count() > 0;
+    return run_coordinator(*c);
+  };
 }
 
 }  // namespace tessera

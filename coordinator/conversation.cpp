@@ -55,18 +55,26 @@ void Coordinator::welcome(const WorkerId& from, const Hello& hello, Instant now)
   }
   if (workers_.size() > kMostRemembered)
     std::erase_if(workers_, [](const auto& w) { return !w.second.present; });
-  WorkerRecord& record = workers_[from];
+  const auto [known, fresh] = workers_.try_emplace(from);
+  WorkerRecord& record = known->second;
+  const bool came = fresh || !record.present;
   record.present = true;
   record.name = hello.name.empty() ? from : hello.name;
   record.device_class = hello.device_class;
   record.slots = hello.slots;
+  if (came)
+    spdlog::info("coordinator: worker {} joined: {} slots, {}", record.name, record.slots,
+                 record.device_class);
   for (auto& [id, active] : active_) active.offered.erase(from);
   road_.send(from, Welcome{kProtocolVersion, options_.heartbeat});
   tell(Joined{from, hello.slots, hello.device_class, record.name}, now);
 }
 
 void Coordinator::leave(const WorkerId& from, Instant now) {
-  if (const auto worker = workers_.find(from); worker != workers_.end()) worker->second.present = false;
+  if (const auto worker = workers_.find(from); worker != workers_.end() && worker->second.present) {
+    worker->second.present = false;
+    spdlog::info("coordinator: worker {} left", worker->second.name);
+  }
   tell(Left{from}, now);
 }
 
@@ -124,6 +132,7 @@ void Coordinator::failed(const WorkerId& from, TaskFailed& message, Instant now)
   WorkerRecord stranger{.name = from};
   WorkerRecord& record = record_of(from, stranger);
   ++record.failed;
+  ++counts_.failed;
   if (const auto task = tasks_.find(message.task); task != tasks_.end())
     note(active_.at(task->second.job), fmt::format("worker {} failed a task, attempt {}: {}", record.name,
                                                    message.attempt, message.reason));
@@ -179,6 +188,7 @@ void Coordinator::carry_out(const AssignTask& c, Instant) {
       return;
     }
     workers_[c.worker].bytes_out += bytes;
+    counts_.bytes_out += bytes;
   }
   road_.send(c.worker, std::move(assign));
 }
@@ -201,10 +211,13 @@ void Coordinator::carry_out(const Accept& c, Instant now) {
   const auto keep = [&](double seconds, const Image& pixels) {
     worker.seconds += accepted.seconds = seconds;
     worker.bytes_in += pixels.data().size() * sizeof(float);
+    counts_.bytes_in += pixels.data().size() * sizeof(float);
     if (Keeper* keeper = run_of(active).keeper) keeper->takes(active.place, std::move(accepted), pixels);
   };
   if (auto* render = std::get_if<RenderDone*>(&in_hand_)) {
     active.state.dropped += accepted.dropped = (*render)->dropped;
+    counts_.pixel_samples +=
+        static_cast<std::uint64_t>((*render)->block.sums.region().area() * (*render)->block.samples.count());
     keep((*render)->seconds, (*render)->block.sums);
     add(active, active.frame().fold(std::move((*render)->block)), now);
   } else if (auto* filter = std::get_if<FilterDone*>(&in_hand_)) {
@@ -236,7 +249,7 @@ void Coordinator::carry_out(const Forget& c, Instant) {
 void Coordinator::carry_out(const AskHello& c, Instant) { road_.send(c.worker, Unknown{}); }
 
 void Coordinator::carry_out(const SetAside& c, Instant) {
-  spdlog::error("coordinator: worker {} is set aside: {}", c.worker, c.reason);
+  spdlog::error("coordinator: worker {} is set aside: {}", c.name, c.reason);
 }
 
 void Coordinator::carry_out(const ClassChanged& c, Instant) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "coordinator/coordinator.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -207,7 +209,10 @@ void Coordinator::set_standing(ShotId shot, const Standing& standing) {
     if (active.shot == shot) tell(Reranked{id, standing_of(active)}, clock_now());
 }
 
-void Coordinator::release(const std::string& worker) { tell(Released{worker}, clock_now()); }
+void Coordinator::release(const std::string& worker) {
+  spdlog::info("coordinator: worker {} is released", worker);
+  tell(Released{worker}, clock_now());
+}
 
 Instant Coordinator::next_wake(Instant now) const {
   Instant wake = now + kLongestSleep;

@@ -46,6 +46,14 @@ struct WorkerRecord {
   bool present = true;  // else it left, and is remembered for results that are still under way
 };
 
+// Since the coordinator began.
+struct WorkCounts {
+  std::uint64_t pixel_samples = 0;            // of accepted tasks
+  std::uint64_t bytes_in = 0, bytes_out = 0;  // of pixels
+  std::uint64_t failed = 0;                   // tasks, as workers say
+  bool operator==(const WorkCounts&) const = default;
+};
+
 class Coordinator {
  public:
   // `road` is borrowed and outlives the coordinator.
@@ -87,6 +95,7 @@ class Coordinator {
 
   const Scheduler& scheduler() const { return scheduler_; }
   const std::map<WorkerId, WorkerRecord>& workers() const { return workers_; }
+  const WorkCounts& counts() const { return counts_; }
   void release(const std::string& worker);  // one that was set aside
 
   // From any thread: end all frames under way with the images of their last looks; fail them; hand their
@@ -187,6 +196,7 @@ class Coordinator {
   JobId next_job_;
   TaskId next_task_;
   std::map<WorkerId, WorkerRecord> workers_;
+  WorkCounts counts_;
   std::atomic<bool> interrupted_ = false, snapshot_wanted_ = false;
   std::mutex failing_;  // guards failure_
   std::optional<std::string> failure_;

@@ -249,6 +249,13 @@ FrameImage Frame::image() const {
   return image;
 }
 
+Image Frame::preview() const {
+  Image shown = seen() ? seen_ : developed(film_.sums(), layout(), channels_of(Aov::color), Part::all);
+  for (std::size_t t = 0; t < tiles_.size(); ++t)
+    if (tile_stitched_[t]) paste(shown, picked(stitched_, tiles_[t].inner, kAll));
+  return shown;
+}
+
 // Pixel samples that later rounds will probably need: errors fall about as n^-0.8 behind a filter.
 double Frame::samples_after_this_round() const {
   double samples = 0;

@@ -86,6 +86,9 @@ class Frame {
   std::vector<Work> outstanding() const;
 
   FrameImage image() const;
+  // RGB as well as it is known now, for people to watch: this round's filtered tiles, elsewhere the image of
+  // the last look; before the first one the noisy film, black where it has no samples.
+  Image preview() const;
   Progress progress(double seconds) const;
   bool seen() const { return looks_taken_ > 0; }
   int round() const { return round_; }                                           // under way, from 1

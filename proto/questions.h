@@ -133,7 +133,9 @@ struct FrameSummary {
   std::vector<float> errors;            // at each look so far
   int columns = 0;                      // of cells
   std::vector<CellStatus> cells;        // row-major; only of active frames
-  Digest image, preview;                // EXR and PNG; empty: not there (yet)
+  // EXR and PNG; empty: not there (yet). Of an active frame the preview is what is known of it so far, made
+  // anew every few seconds while somebody asks; it can be fetched until the one after the next is there.
+  Digest image, preview;
   bool operator==(const FrameSummary&) const = default;
 };
 struct JobDetail {

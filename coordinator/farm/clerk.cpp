@@ -3,7 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
+#include <iterator>
 #include <utility>
+
+#include "core/png.h"
 
 namespace tessera {
 
@@ -24,7 +28,11 @@ Clerk::Clerk(std::filesystem::path folder, std::function<void()> rung)
 
 Clerk::~Clerk() = default;
 
-void Clerk::write(Paperwork work) {
+void Clerk::write(Paperwork work) { add(std::move(work)); }
+
+void Clerk::draw(Sketch sketch) { add(std::move(sketch)); }
+
+void Clerk::add(std::variant<Paperwork, Sketch> work) {
   const std::lock_guard lock(mutex_);
   waiting_.push_back(std::move(work));
   bell_.notify_one();
@@ -35,19 +43,28 @@ std::vector<Written> Clerk::done() {
   return std::exchange(done_, {});
 }
 
+std::vector<Drawn> Clerk::drawn() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(drawn_, {});
+}
+
 void Clerk::live(const std::stop_token& token) {
   for (;;) {
-    Paperwork work;
+    std::variant<Paperwork, Sketch> work;
     {
       std::unique_lock lock(mutex_);
       if (!bell_.wait(lock, token, [this] { return !waiting_.empty(); })) return;
       work = std::move(waiting_.front());
       waiting_.pop_front();
     }
-    Written written = attempt(std::move(work));
-    {
+    if (auto* paperwork = std::get_if<Paperwork>(&work)) {
+      Written written = attempt(std::move(*paperwork));
       const std::lock_guard lock(mutex_);
       done_.push_back(std::move(written));
+    } else {
+      Drawn drawn = attempt(std::get<Sketch>(work));
+      const std::lock_guard lock(mutex_);
+      drawn_.push_back(std::move(drawn));
     }
     rung_();
   }
@@ -65,6 +82,21 @@ Written Clerk::attempt(Paperwork work) const {
   }
   written.of = std::move(work);
   return written;
+}
+
+// Nobody misses a preview of which there is none.
+Drawn Clerk::attempt(const Sketch& sketch) const {
+  Drawn drawn{sketch.job, sketch.place, {}};
+  const std::filesystem::path file = folder_ / "preview.png";
+  try {
+    write_png(file, sketch.rgb, static_cast<float>(sketch.exposure));
+    std::ifstream in(file, std::ios::binary);
+    drawn.png.assign(std::istreambuf_iterator<char>(in), {});
+    std::filesystem::remove(file);
+  } catch (const std::exception&) {
+    drawn.png.clear();
+  }
+  return drawn;
 }
 
 }  // namespace tessera

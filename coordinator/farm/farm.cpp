@@ -27,7 +27,8 @@ Farm::Farm(Transport& road, FarmOptions options)
     : options_(std::move(options)),
       store_(options_.store, options_.blobs),
       coordinator_(road, prepared(options_.coordinator)),
-      clerk_(options_.store / "writing", [this] { coordinator_.wake(); }) {
+      clerk_(options_.store / "writing", [this] { coordinator_.wake(); }),
+      began_(clock_now()) {
   recover();
 }
 
@@ -58,12 +59,14 @@ void Farm::turn(Instant until) {
   look_at_trouble(now);
   while (trouble_.empty() && !unfiled_.empty()) file_next();
   if (std::exchange(changed_, false) || now >= next_look_) look(now);
+  publish(now);
 }
 
 // At what may end, or begin.
 void Farm::look(Instant now) {
   next_look_ = now + (open_.empty() ? kRest : kLook);
   end_jobs();
+  draw_previews(now);
   keep_limits();
   if (trouble_.empty()) begin_jobs();
 }

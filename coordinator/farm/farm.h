@@ -18,7 +18,9 @@
 #include "coordinator/coordinator.h"
 #include "coordinator/farm/clerk.h"
 #include "coordinator/farm/farm_keeper.h"
+#include "coordinator/farm/figures.h"
 #include "coordinator/farm/open_job.h"
+#include "coordinator/farm/previews.h"
 #include "coordinator/queue.h"
 #include "coordinator/store/store.h"
 
@@ -31,6 +33,8 @@ struct FarmOptions {
   double memory = 0;                     // bytes that the frames under way may take
   std::string version;                   // of tessera
   Millis keep_unused{24 * 3600 * 1000};  // blobs that no job needs, since their last use
+  // Told once a second how things stand, and whenever trouble begins or ends.
+  std::function<void(FarmFigures)> publish = {};
 };
 
 class Farm {
@@ -61,6 +65,9 @@ class Farm {
   JobSummary summary(const JobRecord& record);
   std::vector<FrameSummary> frames(const JobRecord& record, std::uint32_t from, std::size_t most);
 
+  // Of a frame under way; null: there is none by that digest.
+  Previews::Png preview(const Digest& digest) const { return previews_.find(digest); }
+
   Store& store() { return store_; }
   const Coordinator& coordinator() const { return coordinator_; }
   const Queue& queue() const { return queue_; }
@@ -68,6 +75,7 @@ class Farm {
   double memory_free() const;
   // Tasks that were done again, and came out otherwise.
   std::uint64_t wrong_bits() const { return wrong_bits_; }
+  FarmFigures figures(Instant now) const;  // but for the road's
   // Why nothing goes on; empty: it does.
   const std::string& trouble() const { return trouble_; }
 
@@ -93,6 +101,10 @@ class Farm {
   void look(Instant now);
   void look_at_trouble(Instant now);
   bool hungry() const;
+  void publish(Instant now);
+  void draw_previews(Instant now);
+  void draw_preview(const Previews::Key& which, Instant now);
+  JobFigures figures(const OpenJob& job) const;
   Standing standing_of(const OpenJob& job) const;
   double seconds_of(const OpenJob& job) const;
   OpenJob& open_job(const JobName& name);
@@ -104,12 +116,18 @@ class Farm {
   Coordinator coordinator_;
   Queue queue_;
   std::map<JobName, OpenJob> open_;
+  Previews previews_;
   Clerk clerk_;
   std::deque<Written> unfiled_;  // as the disk is full
   std::string trouble_;
   bool changed_ = true;  // something has ended, or may begin
   Instant next_look_{}, next_try_{};
   std::int64_t next_collection_ = 0;
+  const Instant began_;
+  Instant next_publication_{};
+  std::string published_trouble_;
+  std::deque<std::pair<Instant, std::uint64_t>> samples_;  // at publications of the last seconds
+  std::array<std::uint64_t, kJobStates> ended_jobs_{};     // by how
   std::uint64_t wrong_bits_ = 0;
   std::atomic<bool> stopped_ = false;
 };

@@ -191,8 +191,12 @@ std::vector<FrameSummary> Farm::frames(const JobRecord& r, std::uint32_t from, s
   std::vector<FrameSummary> all;
   for (const FrameRecord& frame : store_.frames(r.number, from, most)) {
     all.push_back(summary_of(frame, s));
-    if (const auto active = now.find(frame.place); active != now.end())
-      add_progress(all.back(), active->second);
+    const auto active = now.find(frame.place);
+    if (active == now.end()) continue;
+    add_progress(all.back(), active->second);
+    const Previews::Key which{r.job, frame.place};
+    previews_.asked(which, clock_now());
+    all.back().preview = previews_.last(which);
   }
   return all;
 }

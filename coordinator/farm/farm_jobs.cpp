@@ -160,6 +160,7 @@ void Farm::file_failed(OpenJob& job, std::size_t place, const JobReport& report)
   FrameRecord& frame = job.frames[place];
   frame.state = FrameState::failed;
   frame.reason = *report.failure;
+  previews_.forget({job.record.job, place});
   note(job, fmt::format("frame {} failed: {}", frame.frame, frame.reason));
   try {
     settle(job, place);
@@ -187,6 +188,7 @@ void Farm::file_next() {
     const FrameImage& image = written.of.report.image;
     frame.state = fell_short(written.of.frame, image) ? FrameState::limited : FrameState::completed;
     settle(job, written.of.place);
+    previews_.forget({written.of.job, written.of.place});
     note(job, fmt::format("frame {}: {}", frame.frame, verdict(written.of.frame, image)));
   } catch (const Error& e) {
     return have_trouble(e.what());
@@ -257,6 +259,8 @@ void Farm::end(OpenJob& job, JobState how, const std::string& reason) {
   save(job);
   note(job, reason.empty() ? "completed" : fmt::format("ended: {}", reason));
   changed_ = true;  // others may come after it, or take its room
+  ++ended_jobs_.at(static_cast<std::size_t>(how));
+  previews_.forget(name);
   queue_.end(name, how);
   open_.erase(name);
   const auto waits = [&name](const auto& other) {

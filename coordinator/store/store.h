@@ -37,6 +37,7 @@ class Store {
   ~Store();
 
   BlobStore& blobs() { return blobs_; }
+  const BlobStore& blobs() const { return blobs_; }
   const std::filesystem::path& folder() const { return folder_; }
 
   // Several calls as one: all of them count, or, unless commit() is reached, none; but for blobs and
