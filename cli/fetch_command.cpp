@@ -20,6 +20,8 @@ std::function<int()> describe_fetch(CLI::App& app) {
   app.add_option("--frames", c->what.frames, "Only these: 1-60, 1-100x2,150 [all that are there]");
   app.add_flag("--wait", c->what.wait,
                "Until the job ends, and end with its exit code; frames come as they are done");
+  app.add_flag("--preview", c->what.growing,
+               "Previews of frames under way, too; with --wait again and again as they grow");
   app.add_flag("--quiet", c->what.quiet, "Say nothing");
   add_link_options(app, c->link);
   return [c] {

@@ -68,17 +68,35 @@ class Fetch {
   // True if nothing more is to come of it.
   bool take(const FrameSummary& frame) {
     if (frame.state == FrameState::failed) return true;
-    if (frame.image.empty()) return false;
+    if (frame.image.empty()) {
+      bring_growing(frame);
+      return false;
+    }
     limited_ = limited_ || frame.state == FrameState::limited;
     const bool wanted = wanted_.empty() || wanted_.contains(frame.frame);
     if (what_.output.empty() || !wanted) return true;
-    const fs::path file =
-        is_pattern(what_.output) ? file_of(what_.output, frame.frame) : fs::path(what_.output);
-    if (file.has_parent_path()) fs::create_directories(file.parent_path());
+    const fs::path file = file_of_frame(frame.frame);
     bring(frame.image, file);
     bring(frame.preview, fs::path(file).replace_extension(".png"));
     if (!what_.quiet) fmt::print(stderr, "{}{}\n", line_end(), file.string());
     return true;
+  }
+
+  fs::path file_of_frame(int frame) const {
+    fs::path file = is_pattern(what_.output) ? file_of(what_.output, frame) : fs::path(what_.output);
+    if (file.has_parent_path()) fs::create_directories(file.parent_path());
+    return file;
+  }
+
+  // As far as the picture is known.
+  void bring_growing(const FrameSummary& frame) {
+    const bool wanted = wanted_.empty() || wanted_.contains(frame.frame);
+    if (!what_.growing || !wanted || what_.output.empty() || frame.preview.empty()) return;
+    try {
+      bring(frame.preview, file_of_frame(frame.frame).replace_extension(".png"));
+    } catch (const Error& e) {
+      if (e.code() != ExitCode::bad_input) throw;  // there is a newer one already
+    }
   }
 
   void bring(const Digest& blob, const fs::path& file) {

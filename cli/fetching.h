@@ -14,6 +14,7 @@ struct Fetching {
   std::string output;  // name.exr, or a pattern of a shot; empty: no files, only wait
   bool wait = false;   // for the job's end; frames are fetched as they come
   bool quiet = false;
+  bool growing = false;  // previews of frames under way, too
   std::string frames;  // as parse_frames takes them; empty: all
 };
 

@@ -28,6 +28,7 @@ constexpr std::array kCommands{
     Subcommand{"worker", "Work for a farm", describe_worker},
     Subcommand{"submit", "Hand a scene in to a farm", describe_submit},
     Subcommand{"jobs", "List a farm's jobs, or what became of one", describe_jobs},
+    Subcommand{"watch", "Watch a job: its cells, errors and progress, live", describe_watch},
     Subcommand{"fetch", "Fetch the images of a job", describe_fetch},
     Subcommand{"cancel", "End jobs, and drop what is under way", describe_cancel},
     Subcommand{"pause", "Give out no more work of jobs", describe_pause},

@@ -78,23 +78,24 @@ std::string progress_text(ProgressStyle style, const Progress& p, int columns) {
   return "";
 }
 
-bool ProgressDisplay::due(const Progress& p) const {
-  const double silence = p.seconds - shown_.seconds;
+bool ProgressDisplay::due(const Progress& p, double clock) const {
+  const double silence = clock - shown_at_;
   if (p.round != shown_.round || (p.fraction >= 1 && shown_.fraction < 1)) return true;
   if (style_ == ProgressStyle::bar || style_ == ProgressStyle::json) return silence >= kBarInterval;
   return silence >= kMostSilence || p.fraction >= shown_.fraction + 0.01;
 }
 
-void ProgressDisplay::show(const Progress& now) {
+void ProgressDisplay::show(const Progress& now, double clock) {
   if (style_ == ProgressStyle::none) return;
   Progress p = now;
   highest_ = p.fraction = std::max(p.fraction, highest_);
-  if (!due(p)) return;
+  if (!due(p, clock)) return;
   const bool in_place = style_ == ProgressStyle::bar;
   fmt::print(file_, "{}{}{}", in_place ? "\r\x1b[K" : "", progress_text(style_, p, columns_of(file_)),
              in_place ? "" : "\n");
   std::fflush(file_);
   shown_ = p;
+  shown_at_ = clock;
 }
 
 ProgressDisplay::~ProgressDisplay() {

@@ -30,14 +30,17 @@ class ProgressDisplay {
  public:
   ProgressDisplay(ProgressStyle style, std::FILE* file) : style_(style), file_(file) {}
   ~ProgressDisplay();
-  void show(const Progress&);
+  void show(const Progress& p) { show(p, p.seconds); }
+  // At that time, in seconds since whenever: for progress whose own clock may stand still.
+  void show(const Progress&, double clock);
 
  private:
-  bool due(const Progress&) const;
+  bool due(const Progress&, double clock) const;
 
   ProgressStyle style_;
   std::FILE* file_;
-  Progress shown_{.seconds = -1e9};
+  Progress shown_;
+  double shown_at_ = -1e9;
   double highest_ = 0;  // estimates may grow; the percentage shown never falls
 };
 

@@ -30,6 +30,7 @@ std::function<int()> describe_release(CLI::App&);
 std::function<int()> describe_resume(CLI::App&);
 std::function<int()> describe_submit(CLI::App&);
 std::function<int()> describe_verify(CLI::App&);
+std::function<int()> describe_watch(CLI::App&);
 std::function<int()> describe_worker(CLI::App&);
 std::function<int()> describe_workers(CLI::App&);
 std::function<int()> describe_devices(CLI::App&);
