@@ -92,6 +92,7 @@ class Farm {
   void save(const OpenJob& job);
   void collect();
   void file_failed(OpenJob& job, std::size_t place, const JobReport& report);
+  void look_at_files(const OpenJob& job, const std::string& reason);
   void keep_limits();
   void end_jobs();
   void end(OpenJob& job, JobState how, const std::string& reason);

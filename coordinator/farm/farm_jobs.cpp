@@ -32,6 +32,17 @@ double bytes_of(const Submission& s) {
   return Frame::bytes(s.job) * static_cast<double>(frames);
 }
 
+// The names of blobs that a sentence holds.
+std::vector<Digest> digests_in(std::string_view text) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::vector<Digest> found;
+  for (std::size_t end = 0, at; (at = text.find_first_of(kDigits, end)) != text.npos;) {
+    end = std::min(text.find_first_not_of(kDigits, at), text.size());
+    if (is_digest(text.substr(at, end - at))) found.emplace_back(text.substr(at, end - at));
+  }
+  return found;
+}
+
 }  // namespace
 
 void Farm::recover() {
@@ -162,11 +173,22 @@ void Farm::file_failed(OpenJob& job, std::size_t place, const JobReport& report)
   frame.reason = *report.failure;
   previews_.forget({job.record.job, place});
   note(job, fmt::format("frame {} failed: {}", frame.frame, frame.reason));
+  look_at_files(job, frame.reason);
   try {
     settle(job, place);
   } catch (const Error& e) {
     have_trouble(e.what());  // after a crash it is done again, and fails again
   }
+}
+
+// Nobody here reads a scene's files whole; workers do, and say the names of those that are not what they
+// were. One that is damaged here is set aside, so that submitting the scene again brings it again.
+void Farm::look_at_files(const OpenJob& job, const std::string& reason) {
+  for (const Digest& blob : digests_in(reason)) try {
+      if (store_.blobs().has(blob)) store_.blobs().check(blob);
+    } catch (const Error& e) {
+      note(job, e.what());
+    }
 }
 
 // What the clerk has written becomes the frame's image; kept for another try if the disk is full.

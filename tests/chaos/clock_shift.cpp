@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// For LD_PRELOAD: adds the seconds that the file TESSERA_TEST_SHIFT holds to the clock of the wall, so that it
-// can jump under a process. Other clocks stay.
+// For LD_PRELOAD: adds the seconds that the file TESSERA_TEST_SHIFT holds to the clock of the wall, so that
+// it can jump under a process. Other clocks stay.
 #include <sys/time.h>
 #include <time.h>
 #include <unistd.h>
@@ -47,5 +47,4 @@ time_t time(time_t* out) noexcept {
   if (out) *out = now.tv_sec;
   return now.tv_sec;
 }
-
 }

@@ -30,6 +30,15 @@ def wait_for(what, condition, seconds=30.0):
         time.sleep(0.02)
 
 
+def threads(pid):
+    """What each thread of a process is at, as the kernel sees it: for what hangs."""
+    at = []
+    for task in Path(f"/proc/{pid}/task").glob("*"):
+        state = (task / "stat").read_text().rsplit(")", 1)[1].split()[0]
+        at.append(f"{(task / 'comm').read_text().strip()} {state} {(task / 'wchan').read_text()}")
+    return ", ".join(at)
+
+
 class Process:
     """One life after another of one program; all write to one log."""
 
@@ -120,7 +129,7 @@ class Farm:
         command = [self.tessera, "coordinator", "--listen", self.address, "--store", str(self.store)]
         command += ["--silence", str(silence), *more, *(self.keys.of_server() if self.keys else [])]
         self.coordinator = Process("coordinator", self.folder / "coordinator.log", command)
-        self.workers = {}
+        self.workers, self.hung = {}, []
 
     def start_coordinator(self):
         self.coordinator.start()
@@ -130,7 +139,10 @@ class Farm:
                 raise RuntimeError(f"the coordinator ended with {self.coordinator.child.returncode}")
             return self.coordinator.says("listens on")
 
-        wait_for("the coordinator to listen", listens)
+        try:
+            wait_for("the coordinator to listen", listens, 180)
+        except TimeoutError as error:
+            raise TimeoutError(f"{error}; its threads: {threads(self.coordinator.pid())}") from None
 
     def worker(self, name, more=()):
         address, prefix = self.road(name)
@@ -147,7 +159,15 @@ class Farm:
 
     def ask(self, command, *args, owner=None, seconds=60, timeout=10):
         words = self.words(owner or self.owners[0], command, *args, "--timeout", timeout)
-        return subprocess.run(words, capture_output=True, text=True, timeout=seconds)
+        with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
+            try:
+                out, err = child.communicate(timeout=seconds)
+            except subprocess.TimeoutExpired:
+                what = threads(child.pid)
+                child.kill()
+                self.hung.append(f"{command} did not end in {seconds} s; its threads: {what}")
+                return subprocess.CompletedProcess(words, UNREACHABLE, "", self.hung[-1])
+        return subprocess.CompletedProcess(words, child.returncode, out, err)
 
     def insist(self, command, *args, owner=None, seconds=120):
         """Asks until the coordinator is there; what was said, with exit code 0."""

@@ -175,7 +175,7 @@ def main():
         farm.start_coordinator()
         for name in (*STAY, COME_AND_GO):
             farm.worker(name).start()
-        wait_for("the workers", lambda: len(farm.present()) == len(farm.workers), 60)
+        wait_for("the workers", lambda: len(farm.present()) == len(farm.workers), 120)
         begun = time.monotonic()
         soak.run(options.minutes, options.pause)
         lasted = (time.monotonic() - begun) / 60
@@ -188,7 +188,9 @@ def main():
     print(f"{lasted:.1f} minutes, seed {options.seed}; {', '.join(f'{n} {w}' for w, n in sorted(soak.counts.items()))}")
     print(f"jobs: {', '.join(f'{n} {s}' for s, n in states.items())}; figures in {folder}")
     flat = soak.verdict(options.bound, options.descriptors)
-    good = flat and set(states) <= {"completed", "cancelled"}
+    for sentence in farm.hung:
+        print(f"HUNG: {sentence}")
+    good = flat and not farm.hung and set(states) <= {"completed", "cancelled"}
     print("100% tests passed" if good else "FAILED")
     return 0 if good else 1
 
