@@ -8,7 +8,7 @@ cd "$(dirname "$0")/.."
 folder=$1/bench
 shift
 shopt -s nullglob
-programs=("$folder"/*_bench)
+programs=("$folder"/*_bench "$folder"/farm/*_bench)
 if [ ${#programs[@]} -eq 0 ]; then echo "bench: $folder has no benchmarks (sanitizer builds have none)" >&2; exit 1; fi
 lscpu | grep -E '^(Model name|CPU\(s\)|L3)' || true
 for program in "${programs[@]}"; do

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the farm costs: a frame through coordinator, messages, leases, folding and tiles, against the same
 // samples rendered by the same number of threads with plain calls, and the whole frame filtered at once.
-// usage: farm_bench [scene file] [samples]
+// usage: frame_bench [scene file] [samples]
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -95,7 +95,7 @@ int main(int argc, char** argv) {
     return tessera::run(argc > 1 ? argv[1] : TESSERA_SOURCE_DIR "/scenes/cornell.json",
                         argc > 2 ? std::stoi(argv[2]) : 64);
   } catch (const tessera::Error& e) {
-    fmt::print(stderr, "farm_bench: {}\n", e.what());
+    fmt::print(stderr, "frame_bench: {}\n", e.what());
     return static_cast<int>(e.code());
   }
 }
