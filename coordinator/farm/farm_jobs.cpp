@@ -171,7 +171,7 @@ void Farm::file_failed(OpenJob& job, std::size_t place, const JobReport& report)
   FrameRecord& frame = job.frames[place];
   frame.state = FrameState::failed;
   frame.reason = *report.failure;
-  previews_.forget({job.record.job, place});
+  previews_.forget(Previews::Key{job.record.job, place});
   note(job, fmt::format("frame {} failed: {}", frame.frame, frame.reason));
   look_at_files(job, frame.reason);
   try {
@@ -210,7 +210,7 @@ void Farm::file_next() {
     const FrameImage& image = written.of.report.image;
     frame.state = fell_short(written.of.frame, image) ? FrameState::limited : FrameState::completed;
     settle(job, written.of.place);
-    previews_.forget({written.of.job, written.of.place});
+    previews_.forget(Previews::Key{written.of.job, written.of.place});
     note(job, fmt::format("frame {}: {}", frame.frame, verdict(written.of.frame, image)));
   } catch (const Error& e) {
     return have_trouble(e.what());
