@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cli/config_file.h"
+#include "cli/log_options.h"
 #include "cli/subcommand.h"
 #include "cli/version.h"
 #include "core/error.h"
@@ -91,6 +92,8 @@ int main(int argc, char** argv) {
     return static_cast<int>(code);
   };
   try {
+    // Commands without options of their own for it warn on stderr too: stdout is for what was asked.
+    tessera::set_up_log({});
     return tessera::run(argc, argv);
   } catch (const tessera::Error& e) {
     return fail(e.code(), e.what());

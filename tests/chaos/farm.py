@@ -169,7 +169,7 @@ class Farm:
                 return subprocess.CompletedProcess(words, UNREACHABLE, "", self.hung[-1])
         return subprocess.CompletedProcess(words, child.returncode, out, err)
 
-    def insist(self, command, *args, owner=None, seconds=120):
+    def insist(self, command, *args, owner=None, seconds=600):
         """Asks until the coordinator is there; what was said, with exit code 0."""
         end = time.monotonic() + seconds
         while True:

@@ -40,7 +40,7 @@ class Trial:
     def fetch(self, farm, work, job="job"):
         folder = self.folder / f"fetched-{job}"
         shutil.rmtree(folder, ignore_errors=True)
-        done = farm.insist("fetch", job, "--wait", "-o", folder / work.output, "--quiet", seconds=300)
+        done = farm.insist("fetch", job, "--wait", "-o", folder / work.output, "--quiet")
         require(done.returncode == 0, f"fetch ended with {done.returncode}")
         return Result(work, folder)
 
