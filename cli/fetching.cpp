@@ -13,14 +13,17 @@
 #include "cli/progress_display.h"
 #include "core/sequence.h"
 #include "core/sha256.h"
+#include "proto/clock.h"
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Between questions how far the job is: short jobs are not to wait for their images.
+// Between questions how far the job is, and as a share of the time that passed already: short jobs are not to
+// wait for their images, nor is the coordinator to be asked often about long ones.
 constexpr Millis kFirstLook{20}, kLastLook{500};
+constexpr int kShare = 40;
 
 class Fetch {
  public:
@@ -30,11 +33,13 @@ class Fetch {
   }
 
   ExitCode run() {
-    for (Millis pause = kFirstLook;; pause = std::min(2 * pause, kLastLook)) {
+    const Instant begin = clock_now();
+    for (;;) {
       const JobSummary job = look();
       show(job);
       if (is_over(job) || !what_.wait) return is_over(job) ? exit_code(job, limited_) : ExitCode::done;
-      std::this_thread::sleep_for(pause);
+      const auto passed = std::chrono::duration_cast<Millis>(clock_now() - begin);
+      std::this_thread::sleep_for(std::clamp(passed / kShare, kFirstLook, kLastLook));
     }
   }
 

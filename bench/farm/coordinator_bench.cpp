@@ -6,6 +6,7 @@
 //   coordinator_bench [TASKS of each line, and five times as many for the memory [alone|store|memory|idle
 //   ...]]
 #include <fmt/format.h>
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -56,6 +57,12 @@ double resident_megabytes() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
 }
 
+// Of the heap, in use. What is resident follows the most that ever was.
+double in_use_megabytes() {
+  const struct mallinfo2 info = mallinfo2();
+  return static_cast<double>(info.uordblks + info.hblkhd) / 1e6;
+}
+
 // Tasks of one pixel and eight samples; a tile of one pixel is filtered (with nothing) for every 512 of them.
 Job small_tasks() {
   Job job;
@@ -85,7 +92,9 @@ struct Centre {
 struct Line {
   Spent spent;
   std::uint64_t tasks = 0;
-  double first = 0, middle = 0, last = 0;  // MB
+  double resident_middle = 0, resident_end = 0;  // MB
+  // The least in use in each half: between frames, when few tasks wait.
+  double least_early = 1e9, least_late = 1e9;
 };
 
 void gather(const Centre& centre, std::size_t workers) {
@@ -98,20 +107,24 @@ void gather(const Centre& centre, std::size_t workers) {
 
 Line measure(const Centre& centre, std::uint64_t tasks) {
   const auto accepted = [&] { return centre.coordinator().scheduler().counts().accepted; };
-  const auto until = [&](std::uint64_t n) {
-    while (accepted() < n && !centre.over()) centre.turn(clock_now() + Millis{100});
+  const auto until = [&](std::uint64_t n, double* least) {
+    for (std::uint64_t next = accepted(); accepted() < n && !centre.over();) {
+      centre.turn(clock_now() + Millis{100});
+      if (!least || accepted() < next) continue;
+      *least = std::min(*least, in_use_megabytes());
+      next = accepted() + 500;
+    }
   };
   Line line;
-  until(tasks / 20);  // not the beginning
+  until(tasks / 20, nullptr);  // not the beginning
   const std::uint64_t from = accepted();
-  line.first = resident_megabytes();
   const Spent begin;
-  until(tasks / 2);
-  line.middle = resident_megabytes();
-  until(tasks);
+  until(tasks / 2, &line.least_early);
+  line.resident_middle = resident_megabytes();
+  until(tasks, &line.least_late);
   line.spent = Spent().since(begin);
   line.tasks = accepted() - from;
-  line.last = resident_megabytes();
+  line.resident_end = resident_megabytes();
   return line;
 }
 
@@ -179,8 +192,10 @@ void memory(int workers, std::uint64_t tasks) {
   const Line l = alone(workers, tasks);
   print(workers, "no", l);
   fmt::print(
-      "memory after {} tasks {:.1f} MB, {} {:.1f} MB, {} {:.1f} MB; last / middle {:.3f}, goal: flat\n",
-      tasks / 20, l.first, tasks / 2, l.middle, tasks, l.last, l.last / l.middle);
+      "memory: resident {:.1f} MB half-way, {:.1f} MB at the end ({:.3f}); in use between frames {:.1f} MB "
+      "in the"
+      " first half, {:.1f} MB in the second; goal: flat\n",
+      l.resident_middle, l.resident_end, l.resident_end / l.resident_middle, l.least_early, l.least_late);
 }
 
 void idle(int workers) {
