@@ -73,7 +73,7 @@ Lines frame(const FrameSummary& f, int columns, int rows, bool colours) {
   const int half = columns < 40 ? columns : columns / 2 - 1;
   Lines cells = cell_map(f.cells, f.columns, half, room, colours);
   if (f.cells.empty() && f.state == FrameState::active)
-    cells.push_back(fmt::format("[{}] first look", progress_bar(f.fraction, std::max(0, half - 13))));
+    cells.push_back(fmt::format("[{}] no look yet", progress_bar(f.fraction, std::max(0, half - 14))));
   const int gap = 2;
   int wide = 0;
   for (const std::string& line : cells) wide = std::max(wide, shown_width(line));

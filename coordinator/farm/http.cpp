@@ -15,8 +15,9 @@
 namespace tessera {
 namespace {
 
-constexpr int kThreads = 2, kConnections = 16;  // at work; with those that wait, the kernel's aside
+constexpr int kThreads = 8, kConnections = 16;  // at work; with those that wait, the kernel's aside
 constexpr std::size_t kMostBody = 1024;         // of a request, which needs none
+constexpr std::chrono::seconds kSilence{1};     // of a peer that has connected
 constexpr std::chrono::seconds kPatience{2};    // for a peer that does not go on
 constexpr std::chrono::seconds kStuck{5};
 
@@ -88,6 +89,7 @@ HttpServer::HttpServer(const std::string& host, int port, const FigureBoard& boa
   });
   server.new_task_queue = [] { return new Desks; };  // the server's to delete
   server.set_keep_alive_max_count(1);
+  server.set_keep_alive_timeout(kSilence.count());  // for the first word
   server.set_payload_max_length(kMostBody);
   server.set_read_timeout(kPatience);
   server.set_write_timeout(kPatience);
