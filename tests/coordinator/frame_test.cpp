@@ -108,6 +108,37 @@ TEST(Frame, StoppedBeforeItsFirstLookItDeliversTheNoisyImageOfWhatThereIs) {
   EXPECT_TRUE(frame.fold(rendered(std::get<RenderTask>(work.back()), frame.layout(), 0.6f)).empty());
 }
 
+TEST(Frame, PreviewsAreNoisyThenTheLastLooksWithTheTilesOfThisRound) {
+  const Job job = small_job();
+  Frame frame(job);
+  std::vector<Work> work = frame.begin();
+  frame.fold(rendered(std::get<RenderTask>(work.front()), frame.layout(), 0.6f));
+  EXPECT_GT(frame.preview().at(0, 0, 0), 0.0f);
+  EXPECT_EQ(frame.preview().at(0, 149, 89), 0.0f);
+  const auto fold = [&](const Work& task) {
+    return frame.fold(rendered(std::get<RenderTask>(task), frame.layout(), 0.6f));
+  };
+  std::vector<Work> tiles;
+  for (const Work& task : work)
+    for (const Work& ready : fold(task)) tiles.push_back(ready);
+  const auto stitch = [&](const FilterTask& task, float value) {
+    frame.stitch(task, Filtered(task.tile.inner, filtered_planes(job.filter), value));
+  };
+  for (const Work& tile : tiles) stitch(std::get<FilterTask>(tile), 0.5f);
+  ASSERT_TRUE(frame.round_complete());
+  work = frame.look({});
+  ASSERT_FALSE(frame.stopped());
+  EXPECT_TRUE(same_bits(frame.preview(), frame.image().filtered));
+  tiles.clear();
+  for (std::size_t i = 0; i < work.size() && tiles.empty(); ++i) tiles = fold(work[i]);
+  ASSERT_FALSE(tiles.empty());
+  const auto& task = std::get<FilterTask>(tiles.front());
+  stitch(task, 0.75f);
+  Image expected = frame.image().filtered;
+  paste(expected, Image(task.tile.inner, 3, 0.75f));
+  EXPECT_TRUE(same_bits(frame.preview(), expected));
+}
+
 TEST(Frame, AnAnswerOfAnotherShapeDoesNotFit) {
   Frame frame(small_job());
   const RenderTask task = std::get<RenderTask>(frame.begin().front());

@@ -44,6 +44,24 @@ class Poisoned : public TaskRunner {
   int bounces_;
 };
 
+// Does one task, and no other until it is let.
+class Held : public TaskRunner {
+ public:
+  TaskResult run(const Job& job, const Task& task, const FilterInput& input,
+                 const std::atomic<bool>& cancel) override {
+    if (begun_++ > 0) let_.wait(false);
+    return runner().run(job, task, input, cancel);
+  }
+  void let() {
+    let_ = true;
+    let_.notify_all();
+  }
+
+ private:
+  std::atomic<int> begun_ = 0;
+  std::atomic<bool> let_ = false;
+};
+
 class Service : public WithDevice {
  protected:
   void SetUp() override {
@@ -87,8 +105,7 @@ class Service : public WithDevice {
   void hire(int workers, TaskRunner& does) {
     for (int i = 0; i < workers; ++i) {
       const std::string id = "worker-" + std::to_string(hands_.size());
-      hands_.push_back(
-          std::make_unique<Hand>(std::make_unique<ZmqDealer>(context_, address_, id), does));
+      hands_.push_back(std::make_unique<Hand>(std::make_unique<ZmqDealer>(context_, address_, id), does));
     }
   }
 
@@ -265,12 +282,32 @@ TEST_F(Service, LetsEachDoOnlyWhatItsKeyAllows) {
   submit("anns", submission(), ann);
   EXPECT_EQ(job("anns").owner, "ann");
   EXPECT_THAT(std::get<Denied>(ask(Control{"anns", Verb::cancel}, bob)).reason, HasSubstr("which is ann's"));
-  EXPECT_THAT(std::get<Denied>(submit("workers", submission(), worker)).reason, HasSubstr("keys of submitters"));
+  EXPECT_THAT(std::get<Denied>(submit("workers", submission(), worker)).reason,
+              HasSubstr("keys of submitters"));
   EXPECT_THAT(std::get<Denied>(ask(Control{"anns", Verb::set_priority, 60}, ann)).reason,
               HasSubstr("above 50"));
   EXPECT_TRUE(std::holds_alternative<Agreed>(ask(Control{"anns", Verb::set_priority, 60}, root)));
   EXPECT_THAT(std::get<Denied>(ask(ReleaseWorker{"rack"}, ann)).reason, HasSubstr("keys of administrators"));
   EXPECT_TRUE(std::holds_alternative<Agreed>(ask(Control{"anns", Verb::cancel}, root)));
+}
+
+TEST_F(Service, ShowsAFrameUnderWayWhileSomebodyLooks) {
+  Held held;
+  submit("one", submission());
+  hire(1, held);
+  Digest preview;
+  const bool shown = comes([&] {
+    preview = std::get<JobDetail>(ask(ShowJob{"one"})).frames.at(0).preview;
+    return !preview.empty();
+  });
+  const Reply there = ask(GetPiece{preview});
+  held.let();
+  ASSERT_TRUE(shown);
+  EXPECT_THAT(std::get<Piece>(there).bytes, testing::StartsWith("\x89PNG"));
+  EXPECT_EQ(std::get<Piece>(there).size, std::get<Piece>(there).bytes.size());
+  ASSERT_TRUE(comes_to("one", JobState::completed)) << events("one");
+  EXPECT_NE(std::get<JobDetail>(ask(ShowJob{"one"})).frames.at(0).preview, preview);
+  EXPECT_TRUE(std::holds_alternative<Denied>(ask(GetPiece{preview}))) << "it is not kept";
 }
 
 TEST_F(Service, HasTasksDoneAgainElsewhereAndComparesBits) {
