@@ -32,6 +32,10 @@ FAULTS = {
 }
 
 
+# Faults strike workers, not tasks: that several of them die at one task must not be taken for its doing.
+PATIENT = ["--failures", "100"]
+
+
 class Chaos:
     def __init__(self, farm, roads, options):
         self.farm, self.roads, self.options = farm, roads, options
@@ -195,9 +199,10 @@ def set_up(options, folder):
     if options.netns:
         bridge = Bridge()
         roads = {name: bridge.cable(name) for name in names}
-        farm = Farm(options.tessera, folder, options.silence, OWNERS, True, bridge.host, lambda n: (farm.address, roads[n].prefix))
+        farm = Farm(options.tessera, folder, options.silence, OWNERS, True, bridge.host, lambda n: (farm.address, roads[n].prefix), PATIENT)
     else:
-        farm = Farm(options.tessera, folder, options.silence, OWNERS, options.keys == "yes" or (options.keys == "seed" and options.seed % 2 == 1))
+        keys = options.keys == "yes" or (options.keys == "seed" and options.seed % 2 == 1)
+        farm = Farm(options.tessera, folder, options.silence, OWNERS, keys, more=PATIENT)
         roads = {name: Proxy(farm.address) for name in names}
         farm.road = lambda name: (roads[name].address, [])
         bridge = None
