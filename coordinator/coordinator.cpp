@@ -191,12 +191,14 @@ void Coordinator::drop(ShotId shot) {
 }
 
 void Coordinator::pause(ShotId shot) {
+  if (over(shot)) return;
   runs_.at(shot).paused = true;
   for (const auto& [id, active] : active_)
     if (active.shot == shot) tell(PausedJob{id}, clock_now());
 }
 
 void Coordinator::resume(ShotId shot) {
+  if (over(shot)) return;
   runs_.at(shot).paused = false;
   for (const auto& [id, active] : active_)
     if (active.shot == shot) tell(ResumedJob{id}, clock_now());

@@ -74,7 +74,7 @@ class Coordinator {
   // and tells nobody.
   void interrupt(ShotId shot);
   void drop(ShotId shot);
-  // No more tasks are given out, none is taken back.
+  // No more tasks are given out, none is taken back. One that is over stays so.
   void pause(ShotId shot);
   void resume(ShotId shot);
   void set_standing(ShotId shot, const Standing& standing);

@@ -4,7 +4,6 @@
 ends with 77 if a trial cannot be tried here, and says why."""
 
 import argparse
-import os
 import random
 import shutil
 import signal
@@ -19,6 +18,7 @@ from pathlib import Path
 sys.dont_write_bytecode = True
 from damage import clock_jump, damaged_blob, damaged_database, damaged_journal
 from farm import wait_for
+from room import full_at_the_end, full_disk
 from roads import Proxy
 from trial import Skip, Trial, require
 from work import SCENES, Work
@@ -121,42 +121,7 @@ def cut_upload(t):
     t.same(farm, work)
 
 
-def full_disk(t):
-    """A full disk: said, submitting refused; with room again the job ends with the same bits."""
-    farm = t.farm()
-    farm.store.mkdir()
-    if os.geteuid() != 0:
-        raise Skip("a small disk takes root")
-    mount = ["mount", "-t", "tmpfs", "-o", "size=24m", "none", str(farm.store)]
-    if subprocess.run(mount, capture_output=True).returncode != 0:
-        raise Skip("tmpfs cannot be mounted here")
-    try:
-        farm.start_coordinator()
-        t.submit(farm, Work("shot", 0))
-        filler = farm.store / "filler"
-        with filler.open("wb", buffering=0) as out:
-            try:
-                while True:
-                    out.write(bytes(1 << 16))
-            except OSError:
-                pass
-        farm.worker("w1").start()
-        wait_for("the coordinator to say that the disk is full", lambda: farm.coordinator.said("nothing goes on until it works again"), 120)
-        refused = farm.ask("submit", *Work("fixed", 0).words, "--job", "late")
-        require(refused.returncode not in (0, 6), f"submit ended with {refused.returncode}")
-        require("space" in refused.stderr or "room" in refused.stderr, f"submit said: {refused.stderr}")
-        print(f"submit: exit code {refused.returncode}: {refused.stderr.strip()}")
-        filler.unlink()
-        t.same(farm, Work("shot", 0))
-        t.submit(farm, Work("fixed", 0), "late")
-        t.same(farm, Work("fixed", 0), "late")
-        farm.end()
-    finally:
-        farm.end()
-        subprocess.run(["umount", str(farm.store)], check=False)
-
-
-TRIALS = {f.__name__: f for f in (duplicate, stranger, early_worker, cut_upload, full_disk, damaged_journal, damaged_database, damaged_blob, clock_jump)}
+TRIALS = {f.__name__: f for f in (duplicate, stranger, early_worker, cut_upload, full_disk, full_at_the_end, damaged_journal, damaged_database, damaged_blob, clock_jump)}
 
 
 def run(trial, options):
