@@ -48,6 +48,14 @@ function(tessera_test name)
     ENVIRONMENT_MODIFICATION "TESSERA_TEXTURE_CACHE=set:${PROJECT_BINARY_DIR}/textures")
 endfunction()
 
+# tessera_together(TARGET [APART FILES ...]): its files are compiled six at a time, as the headers and templates
+# that they share take longer than what is in them. APART: those whose private names clash with those of others.
+function(tessera_together target)
+  cmake_parse_arguments(ARG "" "" "APART" ${ARGN})
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+  set_source_files_properties(${ARG_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
 # tessera_embed(TARGET NAMESPACE FILES ...): each FILE becomes `std::string_view <namespace>::<stem>` in
 # generated/<namespace>.h, where <stem> is the file name with everything but letters and digits turned to '_'.
 function(tessera_embed target namespace)
