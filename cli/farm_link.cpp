@@ -7,7 +7,14 @@
 #include <algorithm>
 #include <random>
 
+#include "proto/clock.h"
+
 namespace tessera {
+namespace {
+
+constexpr Millis kUsual{500};  // within which a coordinator that is there is connected to
+
+}  // namespace
 
 void add_link_options(CLI::App& app, LinkOptions& o) {
   app.add_option("--coordinator", o.coordinator, "HOST:PORT of the farm's coordinator, or ipc://PATH")
@@ -30,8 +37,10 @@ std::string own_id(const std::string& word) {
 std::unique_ptr<ZmqDealer> road_to(ZmqContext& context, const LinkOptions& o, const std::string& id) {
   ZmqOptions road;
   road.on_dropped = [](std::string_view why) { spdlog::warn("dropped: {}", why); };
-  return std::make_unique<ZmqDealer>(context, endpoint_of("--coordinator", o.coordinator, false), id, road,
-                                     read_client_keys(o.keys));
+  auto dealer = std::make_unique<ZmqDealer>(context, endpoint_of("--coordinator", o.coordinator, false), id,
+                                            road, read_client_keys(o.keys));
+  dealer->await(clock_now() + kUsual);
+  return dealer;
 }
 
 FarmLink::FarmLink(const LinkOptions& o)

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 // Between questions how far the job is, and as a share of the time that passed already: short jobs are not to
 // wait for their images, nor is the coordinator to be asked often about long ones.
 constexpr Millis kFirstLook{20}, kLastLook{500};
-constexpr int kShare = 40;
+constexpr int kShare = 100;
 
 class Fetch {
  public:
@@ -46,7 +46,7 @@ class Fetch {
  private:
   // Asks for all frames that are not here yet, and fetches those that are there.
   JobSummary look() {
-    JobDetail page = farm_.ask<JobDetail>(ShowJob{what_.job, first_});
+    JobDetail page = farm_.ask<JobDetail>(ShowJob{what_.job, first_, what_.growing});
     const JobSummary job = page.summary;
     require_pattern(job);
     bool gap = false;
@@ -58,7 +58,7 @@ class Fetch {
         if (!gap) first_ = place;
       }
       if (page.frames.empty() || place >= job.frames) return job;
-      page = farm_.ask<JobDetail>(ShowJob{what_.job, place});
+      page = farm_.ask<JobDetail>(ShowJob{what_.job, place, what_.growing});
     }
   }
 

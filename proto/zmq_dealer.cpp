@@ -103,6 +103,7 @@ struct ZmqDealer::Inside {
     if (end == Handshake::End::good) {
       pause = kFirstPause;
       again.reset();
+      met = true;
     } else if (!again) {
       if (keys && end == Handshake::End::broken) server = (server + 1) % keys->servers.size();
       again = clock_now() + pause;
@@ -140,6 +141,7 @@ struct ZmqDealer::Inside {
   std::size_t server = 0;  // the key of keys->servers that is tried
   ZmqSocket socket;
   ZmqMonitor monitor;
+  bool met = false;              // the coordinator, once
   std::optional<Instant> again;  // when to connect again
   Millis pause = kFirstPause;
   std::atomic<std::uint64_t> dropped = 0;
@@ -180,6 +182,14 @@ std::optional<Mail> ZmqDealer::receive(Instant until) {
     } else if (!inside_->wait(until)) {
       return std::nullopt;
     }
+  }
+}
+
+bool ZmqDealer::await(Instant until) {
+  for (;;) {
+    inside_->tend();
+    if (inside_->met || clock_now() >= until) return inside_->met;
+    inside_->wait(until);
   }
 }
 

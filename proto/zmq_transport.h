@@ -107,6 +107,9 @@ class ZmqDealer : public Transport {
   std::optional<Mail> receive(Instant until) override;
   void wake() override;
 
+  // Waits for the connection: what is sent before is dropped. False: it is not there. Precondition: nothing
+  // was received yet.
+  bool await(Instant until);
   // From the next receive() on, over a new connection. Precondition: it was given keys when it was made. Any
   // thread.
   void reload(ClientKeys keys);
