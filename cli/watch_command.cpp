@@ -106,7 +106,7 @@ class Watch {
       pause_.end();
     });
     FarmLink farm(command_.link);
-    WatchedJob job(farm, command_.job);
+    WatchedJob job(farm, command_.job, !command_.preview.empty());
     ProgressDisplay display(on_screen() ? ProgressStyle::none : style_, stdout);
     do {
       job.look();

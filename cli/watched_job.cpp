@@ -24,7 +24,7 @@ const WatchView& WatchedJob::look() {
 // Pages until one that begins with a frame that is not over: those under way are near.
 void WatchedJob::look_at_frames() {
   for (;;) {
-    JobDetail page = farm_.ask<JobDetail>(ShowJob{job_, first_});
+    JobDetail page = farm_.ask<JobDetail>(ShowJob{job_, first_, previews_});
     view_.job = std::move(page.summary);
     const auto open = std::ranges::find_if_not(page.frames, has_ended);
     for (auto f = page.frames.begin(); f != open; ++f) {

@@ -15,7 +15,9 @@ namespace tessera {
 
 class WatchedJob {
  public:
-  WatchedJob(FarmLink& farm, std::string job) : farm_(farm), job_(std::move(job)) {}
+  // `previews`: they are wanted.
+  WatchedJob(FarmLink& farm, std::string job, bool previews)
+      : farm_(farm), job_(std::move(job)), previews_(previews) {}
 
   // How it is now. Throws what FarmClient::ask() throws.
   const WatchView& look();
@@ -37,6 +39,7 @@ class WatchedJob {
 
   FarmLink& farm_;
   std::string job_;
+  bool previews_;
   WatchView view_;
   std::vector<JobEvent> news_;
   std::uint32_t first_ = 0;  // all frames before are over

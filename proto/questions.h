@@ -58,6 +58,7 @@ struct ListJobs {
 struct ShowJob {
   JobName job;
   std::uint32_t from = 0;  // place of the first frame listed
+  bool previews = false;   // those of active frames are wanted
   bool operator==(const ShowJob&) const = default;
 };
 struct ListEvents {
@@ -134,7 +135,7 @@ struct FrameSummary {
   int columns = 0;                      // of cells
   std::vector<CellStatus> cells;        // row-major; only of active frames
   // EXR and PNG; empty: not there (yet). Of an active frame the preview is what is known of it so far, made
-  // anew every few seconds while somebody asks; it can be fetched until the one after the next is there.
+  // anew every few seconds while somebody wants it; it can be fetched until the one after the next is there.
   Digest image, preview;
   bool operator==(const FrameSummary&) const = default;
 };

@@ -33,6 +33,7 @@ struct Writer {
   void operator()(ShowJob& q) const {
     out.mutable_show_job()->set_job(std::move(q.job));
     out.mutable_show_job()->set_from(q.from);
+    out.mutable_show_job()->set_previews(q.previews);
   }
   void operator()(ListEvents& q) const {
     out.mutable_list_events()->set_job(std::move(q.job));
@@ -106,7 +107,7 @@ Question question_from(wire::Ask& w) {
     case wire::Ask::kListJobs:
       return ListJobs{w.list_jobs().after()};
     case wire::Ask::kShowJob:
-      return ShowJob{job_name_from(w.show_job().job()), w.show_job().from()};
+      return ShowJob{job_name_from(w.show_job().job()), w.show_job().from(), w.show_job().previews()};
     case wire::Ask::kListEvents:
       return ListEvents{job_name_from(w.list_events().job()), w.list_events().after()};
     case wire::Ask::kControl:

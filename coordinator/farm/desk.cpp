@@ -56,7 +56,7 @@ struct Desk {
   }
   Reply operator()(const ShowJob& q) {
     const JobRecord record = farm.record(q.job);
-    return JobDetail{farm.summary(record), q.from, farm.frames(record, q.from, kFramesAtOnce)};
+    return JobDetail{farm.summary(record), q.from, farm.frames(record, q.from, kFramesAtOnce, q.previews)};
   }
   Reply operator()(const ListEvents& q) {
     return EventList{farm.store().events(farm.record(q.job).number, q.after, kMaxListed)};

@@ -182,7 +182,8 @@ JobSummary Farm::summary(const JobRecord& r) {
   return s;
 }
 
-std::vector<FrameSummary> Farm::frames(const JobRecord& r, std::uint32_t from, std::size_t most) {
+std::vector<FrameSummary> Farm::frames(const JobRecord& r, std::uint32_t from, std::size_t most,
+                                       bool previews) {
   const Submission s = submission_of(r);
   std::map<std::size_t, Coordinator::FrameNow> now;  // by place
   if (const auto found = open_.find(r.job); found != open_.end() && found->second.shot)
@@ -195,7 +196,7 @@ std::vector<FrameSummary> Farm::frames(const JobRecord& r, std::uint32_t from, s
     if (active == now.end()) continue;
     add_progress(all.back(), active->second);
     const Previews::Key which{r.job, frame.place};
-    previews_.asked(which, clock_now());
+    if (previews) previews_.asked(which, clock_now());
     all.back().preview = previews_.last(which);
   }
   return all;

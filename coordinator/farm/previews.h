@@ -24,7 +24,7 @@ class Previews {
   using Key = std::pair<JobName, std::size_t>;  // a job, and the place of a frame in it
   using Png = std::shared_ptr<const std::string>;
 
-  // Somebody looks at the frame, which is under way.
+  // Somebody wants one of the frame, which is under way.
   void asked(const Key& frame, Instant now) { shown_[frame].asked = now; }
   // Those of which a new one should be made now, unless nothing changed: looked at within the last 10 s, none
   // is being made, and the last one was begun long enough ago.

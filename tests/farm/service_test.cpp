@@ -297,7 +297,7 @@ TEST_F(Service, ShowsAFrameUnderWayWhileSomebodyLooks) {
   hire(1, held);
   Digest preview;
   const bool shown = comes([&] {
-    preview = std::get<JobDetail>(ask(ShowJob{"one"})).frames.at(0).preview;
+    preview = std::get<JobDetail>(ask(ShowJob{"one", 0, true})).frames.at(0).preview;
     return !preview.empty();
   });
   const Reply there = ask(GetPiece{preview});
@@ -306,7 +306,7 @@ TEST_F(Service, ShowsAFrameUnderWayWhileSomebodyLooks) {
   EXPECT_THAT(std::get<Piece>(there).bytes, testing::StartsWith("\x89PNG"));
   EXPECT_EQ(std::get<Piece>(there).size, std::get<Piece>(there).bytes.size());
   ASSERT_TRUE(comes_to("one", JobState::completed)) << events("one");
-  EXPECT_NE(std::get<JobDetail>(ask(ShowJob{"one"})).frames.at(0).preview, preview);
+  EXPECT_NE(std::get<JobDetail>(ask(ShowJob{"one", 0, true})).frames.at(0).preview, preview);
   EXPECT_TRUE(std::holds_alternative<Denied>(ask(GetPiece{preview}))) << "it is not kept";
 }
 

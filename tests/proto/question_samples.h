@@ -17,7 +17,7 @@ inline std::vector<Question> sample_questions() {
           GetPiece{b, 1ull << 33},
           Submit{"shot.12-b", a},
           ListJobs{7},
-          ShowJob{"shot.12-b", 256},
+          ShowJob{"shot.12-b", 256, true},
           ListEvents{"shot.12-b", 1ull << 40},
           Control{"shot.12-b", Verb::set_priority, 99},
           Control{"shot.12-b", Verb::verify, 12},
