@@ -59,8 +59,21 @@ ZmqSocket::ZmqSocket(ZmqContext& context, zmq::socket_type type, const ZmqOption
   socket_.set(zmq::sockopt::rcvhwm, options.high_water);
   socket_.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(options.max_part_bytes));
   socket_.set(zmq::sockopt::linger, router ? 0 : static_cast<int>(options.linger.count()));
-  socket_.set(zmq::sockopt::heartbeat_ivl, static_cast<int>(options.dead.count()) / 4);
-  socket_.set(zmq::sockopt::heartbeat_timeout, static_cast<int>(options.dead.count()));
+  look_for_life(router, options.dead);
+}
+
+// A router leaves it to its many peers to ask for a sign of life, and to its kernel to find those that are gone.
+void ZmqSocket::look_for_life(bool router, Millis dead) {
+  const int ms = static_cast<int>(dead.count()), seconds = std::max(4, ms / 1000);
+  if (!router) {
+    socket_.set(zmq::sockopt::heartbeat_ivl, ms / 2);
+    socket_.set(zmq::sockopt::heartbeat_timeout, ms);
+  }
+  socket_.set(zmq::sockopt::tcp_keepalive, 1);
+  socket_.set(zmq::sockopt::tcp_keepalive_idle, seconds / 2);
+  socket_.set(zmq::sockopt::tcp_keepalive_intvl, seconds / 4);
+  socket_.set(zmq::sockopt::tcp_keepalive_cnt, 2);
+  socket_.set(zmq::sockopt::tcp_maxrt, ms);
 }
 
 ZmqSocket::~ZmqSocket() { close(bell_); }

@@ -51,6 +51,8 @@ class ZmqSocket {
   void ring();  // any thread
 
  private:
+  void look_for_life(bool router, Millis dead);
+
   zmq::socket_t socket_;
   int bell_;  // an eventfd: ring() may come from any thread, a socket may not
 };
