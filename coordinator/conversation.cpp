@@ -66,7 +66,7 @@ void Coordinator::welcome(const WorkerId& from, const Hello& hello, Instant now)
     spdlog::info("coordinator: worker {} joined: {} slots, {}", record.name, record.slots,
                  record.device_class);
   for (auto& [id, active] : active_) active.offered.erase(from);
-  road_.send(from, Welcome{kProtocolVersion, options_.heartbeat});
+  road_.send(from, Welcome{kProtocolVersion, options_.heartbeat, options_.idle_heartbeat()});
   tell(Joined{from, hello.slots, hello.device_class, record.name}, now);
 }
 

@@ -118,8 +118,10 @@ void Scheduler::entrust(Task& task, Worker& worker, Attempt attempt) {
   if (task.filter && !class_for(task)) {
     const std::optional<std::string> last = task.job->last_class;
     ledger_.choose_class(*task.job, worker.device_class);
-    if (last != task.job->last_class) out_.push_back(ClassChanged{task.job->id, last.value_or(""), *task.job->last_class});
+    if (last != task.job->last_class)
+      out_.push_back(ClassChanged{task.job->id, last.value_or(""), *task.job->last_class});
   }
+  if (worker.held() == 0) roster_.prompt(worker);
   ledger_.lend(task, worker, attempt, now_);
 }
 

@@ -67,8 +67,10 @@ struct Worker {
   DeviceClass* device_class = nullptr;
   int slots = 1;
   std::uint64_t number = 0;  // in order of joining, from 1
-  Instant last_word{};
-  bool gone = false;  // said goodbye: kept a while, so that a late message does not bring it back
+  Instant last_word{};       // or when it was prompted
+  bool prompted = false;     // given something to do since its last word, when it had nothing
+  bool at_work = false;      // as far as its silence goes
+  bool gone = false;         // said goodbye: kept a while, so that a late message does not bring it back
   std::map<std::uint64_t, Task*> running, queued;  // by order of lease
   std::array<double, 2> held_cost{};               // of render and of filter tasks in hand
   std::array<double, 2> rate{};                    // seconds per cost of each, smoothed; 0: not known

@@ -43,7 +43,7 @@ Roster::Worker& Roster::join(const Joined& e) {
   if (fresh) {
     worker.id = e.worker;
     worker.number = ++joins_;
-    worker.by_word = by_word_.insert(by_word_.end(), &worker);
+    worker.by_word = by_word_[0].insert(by_word_[0].end(), &worker);
     worker.device_class = &use_class(e.device_class);
     worker.name = &name_of(e);
     worker.name->workers.push_back(&worker);
@@ -56,8 +56,41 @@ Roster::Worker& Roster::join(const Joined& e) {
 }
 
 void Roster::hear(Worker& worker) {
+  worker.prompted = false;
+  quiet_from_now(worker, worker.held() > 0);
+}
+
+void Roster::prompt(Worker& worker) {
+  if (!std::exchange(worker.prompted, true)) quiet_from_now(worker, false);
+}
+
+void Roster::quiet_from_now(Worker& worker, bool at_work) {
   worker.last_word = now_;
-  by_word_.splice(by_word_.end(), by_word_, worker.by_word);
+  auto& before = by_word_[worker.at_work];
+  worker.at_work = at_work;
+  by_word_[at_work].splice(by_word_[at_work].end(), before, worker.by_word);
+}
+
+Millis Roster::patience(bool at_work) const {
+  return options_.silence * (at_work ? 1 : options_.idle_patience);
+}
+
+Roster::Worker* Roster::overdue() const {
+  for (const bool at_work : {true, false}) {
+    const auto& workers = by_word_[at_work];
+    if (!workers.empty() && workers.front()->last_word + patience(at_work) <= now_) return workers.front();
+  }
+  return nullptr;
+}
+
+std::optional<Instant> Roster::next_deadline() const {
+  std::optional<Instant> next;
+  for (const bool at_work : {true, false})
+    if (const auto& workers = by_word_[at_work]; !workers.empty()) {
+      const Instant one = workers.front()->last_word + patience(at_work);
+      next = next ? std::min(*next, one) : one;
+    }
+  return next;
 }
 
 void Roster::retire(Worker& worker) {
@@ -72,7 +105,7 @@ void Roster::forget(Worker& worker) {
   assert(worker.held() == 0);
   if (!worker.gone) retire(worker);
   --retired_;
-  by_word_.erase(worker.by_word);
+  by_word_[worker.at_work].erase(worker.by_word);
   drop_class(*worker.device_class);
   workers_.erase(WorkerId(worker.id));
 }

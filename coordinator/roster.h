@@ -2,9 +2,11 @@
 // Who is there: workers, the names that failures are counted by, device classes; and who may do what.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <list>
 #include <map>
+#include <optional>
 #include <string>
 #include <unordered_map>
 
@@ -31,9 +33,14 @@ class Roster {
   Worker& join(const Joined&);
   bool same(const Worker&, const Joined&) const;
   void hear(Worker&);
+  // It gets something to do after it had nothing: should that be lost on the way, it will say so at its next
+  // word, which is far; so its silence counts from now. Once after each word of its.
+  void prompt(Worker&);
   void retire(Worker&);  // gone. Precondition: it was not, and holds nothing
   void forget(Worker&);  // Precondition: holds nothing
-  Worker* quietest() const { return by_word_.empty() ? nullptr : by_word_.front(); }
+  // Silent for too long; null: nobody is before next_deadline().
+  Worker* overdue() const;
+  std::optional<Instant> next_deadline() const;
   std::size_t present() const { return workers_.size() - retired_; }
   const std::unordered_map<WorkerId, Worker>& workers() const { return workers_; }
 
@@ -63,6 +70,8 @@ class Roster {
   bool anybody_else(const book::Terms&) const;
 
  private:
+  void quiet_from_now(Worker&, bool at_work);
+  Millis patience(bool at_work) const;
   bool may_have_special(const Worker&, const book::Terms&) const;
   bool anybody_steady(const book::Terms&) const;
   bool excluded(const Name&, const book::Terms&) const;
@@ -77,7 +86,7 @@ class Roster {
   std::uint64_t joins_ = 0;
   std::size_t retired_ = 0, set_aside_ = 0;
   std::unordered_map<WorkerId, Worker> workers_;
-  std::list<Worker*> by_word_;  // the quietest first
+  std::array<std::list<Worker*>, 2> by_word_;  // idle, at work; the quietest first
   std::map<std::string, DeviceClass> classes_;
   std::unordered_map<std::string, Name> names_;
   std::map<const Name*, int> able_;  // workers of each that may be given tasks

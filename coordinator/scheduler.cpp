@@ -23,11 +23,7 @@ std::vector<Command> Scheduler::handle(const Event& event, Instant now) {
   return std::exchange(out_, {});
 }
 
-std::optional<Instant> Scheduler::next_deadline() const {
-  const Worker* quietest = roster_.quietest();
-  if (!quietest) return std::nullopt;
-  return quietest->last_word + options_.silence;
-}
+std::optional<Instant> Scheduler::next_deadline() const { return roster_.next_deadline(); }
 
 SchedulerCounts Scheduler::counts() const {
   SchedulerCounts counts = counts_;
@@ -85,7 +81,7 @@ void Scheduler::on(const Released& e) {
 }
 
 void Scheduler::on(const TimePassed&) {
-  for (Worker* w = roster_.quietest(); w && w->last_word + options_.silence <= now_; w = roster_.quietest()) {
+  while (Worker* w = roster_.overdue()) {
     if (!w->gone) {
       out_.push_back(Forget{w->id});
       release_all(*w, true);

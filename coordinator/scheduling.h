@@ -16,7 +16,8 @@
 namespace tessera {
 
 struct SchedulerOptions {
-  Millis silence{10'000};  // a worker that says nothing for so long is given up
+  Millis silence{10'000};  // a worker at work that says nothing for so long is given up,
+  int idle_patience = 3;   // one with nothing in hand after so many times as long
   Millis grace{3'000};     // a task that its worker has not reported for so long was lost on the way
   // Workers on which a task fails, or that die at it, before it is given up; attempts, if there are not so
   // many workers.

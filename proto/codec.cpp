@@ -66,6 +66,7 @@ struct Encoder {
     wire::Welcome& w = *out.mutable_welcome();
     w.set_protocol(m.protocol);
     w.set_heartbeat_ms(m.heartbeat.count());
+    w.set_idle_heartbeat_ms(m.idle_heartbeat.count());
   }
   void operator()(Refused& m) { out.mutable_refused()->set_reason(m.reason.substr(0, kMaxText)); }
   void operator()(JobOffer& m) {
@@ -141,7 +142,10 @@ Message task_failed(const wire::TaskFailed& w) {
 
 Message welcome(const wire::Welcome& w) {
   constexpr int hour = 3600 * 1000;
-  return Welcome{w.protocol(), Millis(whole_from(w.heartbeat_ms(), 1, hour, "heartbeat_ms"))};
+  const auto heartbeat = whole_from(w.heartbeat_ms(), 1, hour, "heartbeat_ms");
+  const auto idle = w.idle_heartbeat_ms() == 0 ? heartbeat : w.idle_heartbeat_ms();
+  return Welcome{w.protocol(), Millis(heartbeat),
+                 Millis(whole_from(idle, heartbeat, hour, "idle_heartbeat_ms"))};
 }
 
 // The film's pixels, and behind them those of the history.

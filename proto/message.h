@@ -65,7 +65,8 @@ struct Goodbye {};  // takes no more tasks; leases go back
 // Coordinator to worker.
 struct Welcome {
   int protocol = kProtocolVersion;
-  Millis heartbeat{1000};  // say something at least this often
+  Millis heartbeat{1000};       // say something at least this often
+  Millis idle_heartbeat{1000};  // the same while nothing is in hand; at least `heartbeat`
 };
 struct Refused {  // the worker must not come back as it is
   std::string reason;

@@ -82,6 +82,7 @@ void Agent::hear(Welcome& m) {
   phase_ = Phase::working;
   asking_ = false;
   heartbeat_ = m.heartbeat;
+  idle_heartbeat_ = m.idle_heartbeat;
   // At once, as the coordinator may have forgotten what is in hand here.
   beat();
 }
@@ -100,6 +101,7 @@ void Agent::hear(Assign& m) {
   const JobId job = m.task.job;
   const bool asked = std::ranges::any_of(queue_, [job](const Assign& a) { return a.task.job == job; });
   if (!jobs_.contains(job) && !asked) send(NeedJob{job});
+  if (idle()) next_beat_ = std::min(next_beat_, now_ + heartbeat_);
   queue_.push_back(std::move(m));
   work();
 }
@@ -137,8 +139,10 @@ void Agent::beat() {
   for (const Assign& a : queue_) beat.held.push_back({a.task.id, a.attempt});
   send(std::move(beat));
   ask_for_jobs();
-  next_beat_ = now_ + heartbeat_;
+  next_beat_ = now_ + (idle() ? idle_heartbeat_ : heartbeat_);
 }
+
+bool Agent::idle() const { return queue_.empty() && std::ranges::none_of(slots_, &Slot::busy); }
 
 void Agent::ask_for_jobs() {
   std::set<JobId> missing;

@@ -24,7 +24,7 @@ struct AgentOptions {
   std::string version;
   std::string device_class;
   Millis hello_first{100}, hello_last{8'000};  // between Hellos: doubles from the first to the last
-  Millis silence{10'000};         // without a word from the coordinator: is it still there, does it know us?
+  Millis silence{600'000};        // without a word from the coordinator: is it still there, does it know us?
   std::optional<Millis> give_up;  // without a word for so long: stop; none: never
   std::string name;               // see Hello
 };
@@ -120,6 +120,7 @@ class Agent {
   void greet();
   void hello();
   void beat();
+  bool idle() const;
   void ask_for_jobs();
   void work();
   bool adopt(const Assign&);
@@ -135,7 +136,7 @@ class Agent {
   Farewell why_ = Farewell::asked;
   std::string reason_;
   Instant now_{}, last_word_{}, next_hello_{}, next_beat_{};
-  Millis backoff_{0}, heartbeat_{1000};
+  Millis backoff_{0}, heartbeat_{1000}, idle_heartbeat_{1000};
   bool asking_ = false;  // a Welcome is due
   std::uint64_t uses_ = 0;
   std::vector<Slot> slots_;

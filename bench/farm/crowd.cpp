@@ -21,7 +21,7 @@
 namespace tessera {
 namespace {
 
-constexpr Millis kHeartbeat{1000};
+constexpr Millis kHeartbeat{1000}, kSilence{600'000};
 constexpr int kHighWater = 100'000;
 
 Instant after(Instant from, double seconds) {
@@ -37,7 +37,9 @@ struct Member {
     Attempt attempt;
   };
   std::deque<InHand> queue = {};
-  Instant due{}, heartbeat{};
+  Instant due{}, heartbeat{}, word{};
+  Millis idle_heartbeat = kHeartbeat;
+  double share = 0;  // of an interval, at which it speaks: not all do at the same instant
 };
 
 class Life {
@@ -51,7 +53,9 @@ class Life {
       m.socket.set(zmq::sockopt::rcvhwm, kHighWater);
       m.socket.set(zmq::sockopt::linger, 0);
       m.socket.connect(endpoint);
-      m.heartbeat = now + kHeartbeat * (i + 1) / members.size();  // not all at the same instant
+      m.share = static_cast<double>(i + 1) / static_cast<double>(members.size());
+      m.heartbeat = after(now, m.share);
+      m.word = now;
       say_hello(m);
       items_.push_back({m.socket.handle(), 0, ZMQ_POLLIN, 0});
       members_.push_back(std::move(m));
@@ -102,7 +106,8 @@ class Life {
     Heartbeat beat;
     for (const auto& in_hand : m.queue) beat.held.push_back({in_hand.task.id, in_hand.attempt});
     say(m, std::move(beat));
-    m.heartbeat = now + kHeartbeat;
+    if (now - m.word >= kSilence) say_hello(m);
+    m.heartbeat = now + (m.queue.empty() ? m.idle_heartbeat : kHeartbeat);
   }
 
   void read(Member& m) {
@@ -121,14 +126,19 @@ class Life {
   }
 
   void hear(Member& m, Message message) {
+    m.word = clock_now();
     if (auto* assign = std::get_if<Assign>(&message)) {
       if (m.how.speed == 0) return answer(m, assign->task, assign->attempt, m.how.says);
+      if (m.queue.empty()) m.heartbeat = std::min(m.heartbeat, m.word + kHeartbeat);
       m.queue.push_back({assign->task, assign->attempt});
       if (m.queue.size() == 1) m.due = after(clock_now(), cost_of(assign->task.work) / m.how.speed);
     } else if (const auto* revoke = std::get_if<Revoke>(&message)) {
       drop(m, *revoke);
     } else if (const auto* offer = std::get_if<JobOffer>(&message)) {
       shapes_[offer->id] = {FilmLayout(film_aovs(offer->job)).planes(), filtered_planes(offer->job.filter)};
+    } else if (const auto* welcome = std::get_if<Welcome>(&message)) {
+      m.idle_heartbeat = welcome->idle_heartbeat;
+      m.heartbeat = after(m.word, m.share * std::chrono::duration<double>(welcome->idle_heartbeat).count());
     } else if (std::holds_alternative<Unknown>(message)) {
       say_hello(m);
     }

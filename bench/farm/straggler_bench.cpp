@@ -4,6 +4,7 @@
 // and sleep for as long as their tasks would take.
 //   straggler_bench [SECONDS of each job, ideally]
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -65,6 +66,7 @@ void line(int fast, double ideal, int frames) {
 }  // namespace tessera
 
 int main(int count, char** words) {
+  spdlog::set_level(spdlog::level::warn);
   const double ideal = count > 1 ? std::atof(words[1]) : 10;
   fmt::print(
       "960x540, 64 samples, one worker at a tenth of the others' speed; goal: at most {} of the ideal\n",

@@ -12,6 +12,7 @@ TEST(Scheduler, AnyWordRenewsALeaseAndSilenceEndsIt) {
   Scheduler s(without_endgame());
   s.handle(Joined{"a", 1}, at(0));
   s.handle(wishes(1, 2), at(0));
+  s.handle(Heard{"a"}, at(0));
   EXPECT_EQ(s.next_deadline(), at(10));
   s.handle(Heard{"a"}, at(9));
   EXPECT_EQ(s.next_deadline(), at(19));
@@ -19,6 +20,26 @@ TEST(Scheduler, AnyWordRenewsALeaseAndSilenceEndsIt) {
   s.handle(Joined{"b", 1}, at(18.9));
   EXPECT_THAT(s.handle(TimePassed{}, at(19)), ElementsAre(Forget{"a"}, AssignTask{"b", 1, 2}));
   EXPECT_THAT(s.handle(Heard{"a"}, at(20)), ElementsAre(AskHello{"a"}));
+}
+
+// Idle workers speak seldom. One that is dead does not live on by what it is given again and again.
+TEST(Scheduler, SilenceCountsFromTheFirstTaskThatAnIdleWorkerGets) {
+  Scheduler s(without_endgame());
+  s.handle(Joined{"a", 1}, at(0));
+  EXPECT_EQ(s.next_deadline(), at(30));
+  s.handle(wishes(1, 2), at(28));
+  EXPECT_EQ(s.next_deadline(), at(58));
+  s.handle(WithdrawnJob{1}, at(35));
+  s.handle(wishes(1, 2, 2), at(36));
+  EXPECT_EQ(s.next_deadline(), at(58));
+  s.handle(Heard{"a"}, at(37));
+  EXPECT_EQ(s.next_deadline(), at(47)) << "it is at work";
+  s.handle(WithdrawnJob{2}, at(37));
+  s.handle(Heard{"a"}, at(38));
+  EXPECT_EQ(s.next_deadline(), at(68));
+  s.handle(wishes(1, 2, 3), at(60));
+  EXPECT_THAT(s.handle(TimePassed{}, at(89)), IsEmpty());
+  EXPECT_THAT(s.handle(TimePassed{}, at(90)), ElementsAre(Forget{"a"}));
 }
 
 TEST(Scheduler, AHardTaskMayTakeForEver) {
@@ -73,9 +94,9 @@ TEST(Scheduler, ALateHelloDoesNotBringBackWhoSaidGoodbye) {
   s.handle(Left{"a"}, at(2));
   EXPECT_THAT(s.handle(wishes(1, 2), at(3)), IsEmpty());
   EXPECT_THAT(s.handle(Heard{"a"}, at(3)), IsEmpty());
-  EXPECT_THAT(s.handle(TimePassed{}, at(20)), IsEmpty());  // forgotten in silence
+  EXPECT_THAT(s.handle(TimePassed{}, at(40)), IsEmpty());  // forgotten in silence
   EXPECT_EQ(s.next_deadline(), std::nullopt);
-  EXPECT_THAT(s.handle(Heard{"a"}, at(21)), ElementsAre(AskHello{"a"}));
+  EXPECT_THAT(s.handle(Heard{"a"}, at(41)), ElementsAre(AskHello{"a"}));
 }
 
 TEST(Scheduler, AWorkerThatSaysHelloAgainKeepsItsTasks) {

@@ -98,7 +98,9 @@ TEST(Codec, EveryFieldOfAnAnswerTravels) {
   EXPECT_EQ(std::tuple(h.protocol, h.version, h.device_class, h.slots), std::tuple(1, "0.1.0", "avx", 12));
   EXPECT_EQ(std::get<Heartbeat>(round_trip(Heartbeat{{{7, 1}, {9, 2}}})).held,
             (std::vector<Held>{{7, 1}, {9, 2}}));
-  EXPECT_EQ(std::get<Welcome>(round_trip(Welcome{1, Millis{250}})).heartbeat, Millis{250});
+  const auto welcome = std::get<Welcome>(round_trip(Welcome{1, Millis{250}, Millis{800}}));
+  EXPECT_EQ(welcome.heartbeat, Millis{250});
+  EXPECT_EQ(welcome.idle_heartbeat, Millis{800});
 }
 
 TEST(Codec, EveryBitOfAPixelTravelsNaNsAndNegativeZerosToo) {
@@ -172,6 +174,7 @@ TEST(Codec, NumbersOutOfRangeAreRefusedByTheNameOfTheirField) {
   EXPECT_THAT(complaint(Hello{1, std::string(257, 'x'), "", 1}), StartsWith("message: version"));
   EXPECT_THAT(complaint(Welcome{1, Millis{0}}), StartsWith("message: heartbeat_ms"));
   EXPECT_THAT(complaint(Welcome{1, Millis{1ll << 62}}), StartsWith("message: heartbeat_ms"));
+  EXPECT_THAT(complaint(Welcome{1, Millis{500}, Millis{499}}), StartsWith("message: idle_heartbeat_ms"));
   EXPECT_THAT(complaint(RenderDone{1, 1, {{0, 8}, small}, -1.0}), StartsWith("message: seconds"));
   EXPECT_THAT(complaint(FilterDone{1, 1, nine, std::numeric_limits<double>::quiet_NaN()}),
               StartsWith("message: seconds"));

@@ -43,7 +43,7 @@ inline std::vector<Message> sample_messages() {
   all.push_back(TaskFailed{9, 1, "out of memory", true});
   all.push_back(Goodbye{});
   all.push_back(NeedJob{77});
-  all.push_back(Welcome{1, Millis{1500}});
+  all.push_back(Welcome{1, Millis{1500}, Millis{4000}});
   all.push_back(Refused{"too old"});
   all.push_back(JobOffer{77, sample_job()});
   all.push_back(Assign{{5, 77, RenderTask{region, {0, 8}}}, 2, {}});

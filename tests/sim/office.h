@@ -59,7 +59,7 @@ class Office {
   void hear(Mail&& mail, Instant now) {
     const WorkerId& from = mail.from;
     if (const auto* m = std::get_if<Hello>(&mail.message)) {
-      road_.send(from, Welcome{kProtocolVersion, heartbeat_});
+      road_.send(from, Welcome{kProtocolVersion, heartbeat_, heartbeat_});
       handle(Joined{from, m->slots, m->device_class, m->name}, now);
     } else if (const auto* beat = std::get_if<Heartbeat>(&mail.message)) {
       handle(Heard{from, beat->held}, now);

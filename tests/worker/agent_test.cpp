@@ -75,7 +75,8 @@ TEST_F(AgentTest, SaysHelloLessAndLessOftenUntilItIsWelcome) {
   }
   EXPECT_THAT(hellos,
               testing::Pointwise(testing::DoubleEq(), {0.1, 0.3, 0.7, 1.5, 3.1, 6.3, 12.7, 20.7, 28.7}));
-  EXPECT_THAT(tell(Welcome{.heartbeat = Millis{500}}, 30), ElementsAre("Heartbeat"));
+  EXPECT_THAT(tell(Welcome{.heartbeat = Millis{500}, .idle_heartbeat = Millis{500}}, 30),
+              ElementsAre("Heartbeat"));
   EXPECT_EQ(agent.next_deadline(), at(30.5));
 }
 
@@ -88,6 +89,22 @@ TEST_F(AgentTest, HeartbeatsComeRegularlyAndNameAllThatIsInHand) {
   EXPECT_THAT(time(1.5), IsEmpty());
   EXPECT_THAT(handle(Agent::Finished{0, RenderDone{}}, 1.6), ElementsAre("RenderDone 7.1", "start 9 in 0"));
   EXPECT_THAT(time(2), ElementsAre("Heartbeat 9.4 8.1"));
+}
+
+TEST_F(AgentTest, SpeaksSeldomWithNothingInHand) {
+  handle(Agent::Started{}, 0);
+  tell(JobOffer{1, Job{}}, 0);
+  tell(Welcome{.heartbeat = Millis{1000}, .idle_heartbeat = Millis{8000}}, 0);
+  EXPECT_EQ(agent.next_deadline(), at(8));
+  assign(7, 3);
+  EXPECT_EQ(agent.next_deadline(), at(4));
+  EXPECT_THAT(time(4), ElementsAre("Heartbeat 7.1"));
+  EXPECT_THAT(time(5), ElementsAre("Heartbeat 7.1"));
+  handle(Agent::Finished{0, RenderDone{}}, 5.5);
+  EXPECT_THAT(time(6), ElementsAre("Heartbeat"));
+  EXPECT_EQ(agent.next_deadline(), at(14));
+  assign(8, 13.5);
+  EXPECT_EQ(agent.next_deadline(), at(14)) << "no later than it was to be anyway";
 }
 
 TEST_F(AgentTest, AResultCarriesTheNameOfItsTask) {
@@ -186,11 +203,11 @@ TEST_F(AgentTest, SaysHelloAgainWhenItIsUnknownAndKeepsItsTasks) {
 TEST_F(AgentTest, SaysHelloAgainWhenTheCoordinatorIsSilentForLong) {
   welcome();
   std::vector<std::string> said;
-  while (agent.next_deadline() < at(10.5))
+  while (agent.next_deadline() < at(600.5))
     for (const std::string& w : words(agent.handle(Agent::TimePassed{}, *agent.next_deadline())))
       said.push_back(w);
-  EXPECT_EQ(std::ranges::count(said, "Hello"), 3) << "at 10, 10.1 and 10.3 seconds";
-  EXPECT_EQ(std::ranges::count(said, "Heartbeat"), 10);
+  EXPECT_EQ(std::ranges::count(said, "Hello"), 3) << "at 600, 600.1 and 600.3 seconds";
+  EXPECT_EQ(std::ranges::count(said, "Heartbeat"), 600);
 }
 
 TEST_F(AgentTest, AGoodbyeCancelsAllAndStopsWhenTheLastSlotIsFree) {
