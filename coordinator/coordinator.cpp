@@ -40,9 +40,9 @@ Coordinator::~Coordinator() = default;
 JobReport Coordinator::run(const Job& job, const JobWatcher& watcher) {
   JobReport ended;
   JobWatcher own = watcher;
-  own.finished = [&](std::size_t frame, const JobReport& report) {
-    ended = report;
+  own.finished = [&](std::size_t frame, JobReport report) {
     if (watcher.finished) watcher.finished(frame, report);
+    ended = std::move(report);
   };
   run(Shot{{job}}, own);
   return ended;
@@ -120,9 +120,9 @@ void Coordinator::end_frames(Instant now) {
       ++it;
       continue;
     }
-    const auto ended = active_.extract(it++);
+    auto ended = active_.extract(it++);
     dismiss(ended.mapped(), now);
-    hand_on(ended.mapped(), now);
+    hand_on(std::move(ended.mapped()), now);
   }
   begin_frames(now);
 }
@@ -138,14 +138,14 @@ void Coordinator::end_runs() {
 }
 
 // What the frame kept goes to the next one, before anybody is told: workers are not to wait for that.
-void Coordinator::hand_on(const Active& ended, Instant now) {
-  const JobReport report = Coordinator::report(ended, now);
+void Coordinator::hand_on(Active ended, Instant now) {
+  JobReport report = Coordinator::report(std::move(ended), now);
   Run& run = runs_.at(ended.shot);
   if (const auto next = run.plan.end(ended.place, report.kept))
     for (auto& [id, active] : active_)
       if (active.shot == ended.shot && active.place == *next && active.frame().awaits_history())
         remember(active, report.kept, now);
-  if (run.watcher.finished) run.watcher.finished(ended.place, report);
+  if (run.watcher.finished) run.watcher.finished(ended.place, std::move(report));
 }
 
 void Coordinator::remember(Active& active, const std::shared_ptr<const Image>& history, Instant now) {
@@ -293,9 +293,17 @@ std::map<std::size_t, Coordinator::FrameNow> Coordinator::frames(ShotId shot) co
   return under_way;
 }
 
-JobReport Coordinator::report(const Active& a, Instant now) {
+JobReport Coordinator::report(Active&& a, Instant now) {
+  JobReport report = Coordinator::report(a, FrameImage{}, now);
+  report.image = std::move(a.frame()).image();
+  return report;
+}
+
+JobReport Coordinator::report(const Active& a, Instant now) { return report(a, a.frame().image(), now); }
+
+JobReport Coordinator::report(const Active& a, FrameImage image, Instant now) {
   const bool keeps = !a.failure && a.frame().stopped() && a.frame().job().filter.history() > 0;
-  return {.image = a.frame().image(),
+  return {.image = std::move(image),
           .seconds = seconds_between(a.started, now),
           .dropped = a.state.dropped,
           .device_classes = a.state.device_classes,

@@ -26,7 +26,11 @@ namespace tessera {
 
 struct CoordinatorOptions {
   SchedulerOptions scheduler;
-  Millis heartbeat{1000};  // what workers are asked for; well below scheduler.silence
+  Millis heartbeat{1000};  // what workers are asked for at work; well below scheduler.silence
+  // And with nothing in hand, when nothing is lost if one is missed.
+  Millis idle_heartbeat() const {
+    return std::max(heartbeat, scheduler.silence * scheduler.idle_patience * 4 / 5);
+  }
   // Jobs and tasks are numbered from here. A coordinator whose workers outlive it starts elsewhere in each
   // life, so that no old result is taken for a new one.
   std::uint64_t first_id = 1;
@@ -161,7 +165,7 @@ class Coordinator {
   void begin_frame(ShotId shot, Run& run, const ShotPlan::Start& start, Instant now);
   void end_frames(Instant now);
   void end_runs();
-  void hand_on(const Active& ended, Instant now);
+  void hand_on(Active ended, Instant now);
   void remember(Active& active, const std::shared_ptr<const Image>& history, Instant now);
   void add(Active& active, const std::vector<Work>& work, Instant now);
   void advance(Active& active, Instant now);
@@ -176,7 +180,10 @@ class Coordinator {
   Active* active_of(JobId job);
   Instant next_wake(Instant now) const;
   Progress progress(ShotId shot, const Run& run, Instant now) const;
+  // Of one that has ended, with its film; of one under way, with copies.
+  static JobReport report(Active&& active, Instant now);
   static JobReport report(const Active& active, Instant now);
+  static JobReport report(const Active& active, FrameImage image, Instant now);
 
   Transport& road_;
   CoordinatorOptions options_;

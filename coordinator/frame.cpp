@@ -233,12 +233,15 @@ bool Frame::fits(const FilterTask& task, const Filtered& filtered) const {
   return filtered.region() == task.tile.inner && filtered.planes() == filtered_planes(job_.filter);
 }
 
-FrameImage Frame::image() const {
+FrameImage Frame::image() const& { return image(film_.sums()); }
+
+FrameImage Frame::image() && { return image(std::move(film_).sums()); }
+
+FrameImage Frame::image(Image sums) const {
   FrameImage image;
   image.layout = layout();
-  image.sums = film_.sums();
-  image.filtered =
-      seen_.empty() ? developed(film_.sums(), layout(), channels_of(Aov::color), Part::all) : seen_;
+  image.filtered = seen_.empty() ? developed(sums, layout(), channels_of(Aov::color), Part::all) : seen_;
+  image.sums = std::move(sums);
   image.cells = cells_;
   image.states = decision_.cells;
   image.error = decision_.frame;

@@ -85,7 +85,8 @@ class Frame {
   // The work of this round that can be done now, and is not in.
   std::vector<Work> outstanding() const;
 
-  FrameImage image() const;
+  FrameImage image() const&;
+  FrameImage image() &&;  // with the film itself
   // RGB as well as it is known now, for people to watch: this round's filtered tiles, elsewhere the image of
   // the last look; before the first one the noisy film, black where it has no samples.
   Image preview() const;
@@ -96,6 +97,7 @@ class Frame {
   const std::vector<CellState>& cell_states() const { return decision_.cells; }  // at the last look
 
  private:
+  FrameImage image(Image sums) const;
   std::vector<Work> start_round(const std::vector<int>& want);
   std::vector<Work> cell_done(std::size_t cell);
   void keep_seen();

@@ -36,7 +36,7 @@ struct JobWatcher {
   std::function<void(std::size_t frame, const JobReport&)> snapshot = {};
   // Called when a frame has ended; workers go on meanwhile. Frames may end out of order, unless each needs
   // what the one before has kept.
-  std::function<void(std::size_t frame, const JobReport&)> finished = {};
+  std::function<void(std::size_t frame, JobReport)> finished = {};
   // What happened that somebody may want to know later: failed tasks, lost workers. One line.
   std::function<void(std::size_t frame, const std::string&)> noted = {};
 };

@@ -43,7 +43,8 @@ class Film {
 
   const Region& region() const { return sums_.region(); }
   const FilmLayout& layout() const { return layout_; }
-  const Image& sums() const { return sums_; }
+  const Image& sums() const& { return sums_; }
+  Image sums() && { return std::move(sums_); }
 
   // Takes a block in any order; siblings are joined in index order and enter the sums when they continue what
   // is there. Blocks of overlapping regions must have equal regions. Returns false, and changes nothing, for

@@ -17,6 +17,8 @@
 namespace tessera {
 namespace {
 
+constexpr int kCompression = 3;  // of 9; the usual 6 takes twice as long, for files that are a sixth smaller
+
 using Rgb = std::array<float, 3>;
 
 // Linear sRGB of an OKLab colour given as lightness, chroma and hue (Ottosson 2020).
@@ -79,6 +81,7 @@ void write_png(const std::filesystem::path& file, const Image& image, float expo
   OIIO::ImageSpec spec(image.region().width(), image.region().height(), channels, OIIO::TypeDesc::UINT8);
   spec.attribute("oiio:UnassociatedAlpha", 1);
   spec.attribute("oiio:ColorSpace", "sRGB");
+  spec.attribute("png:compressionLevel", kCompression);
   PendingFile pending(file);
   const auto out = OIIO::ImageOutput::create("png");
   if (!out) fail(OIIO::geterror());

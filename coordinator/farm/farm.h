@@ -63,7 +63,9 @@ class Farm {
 
   JobRecord record(const JobName& name);  // throws Error(bad_input) if there is none
   JobSummary summary(const JobRecord& record);
-  std::vector<FrameSummary> frames(const JobRecord& record, std::uint32_t from, std::size_t most);
+  // `previews`: somebody wants those of frames under way.
+  std::vector<FrameSummary> frames(const JobRecord& record, std::uint32_t from, std::size_t most,
+                                   bool previews);
 
   // Of a frame under way; null: there is none by that digest.
   Previews::Png preview(const Digest& digest) const { return previews_.find(digest); }
@@ -86,7 +88,7 @@ class Farm {
   void begin_jobs();
   void begin(OpenJob& job);
   StillToDo look_for_work(OpenJob& job, std::map<std::size_t, std::shared_ptr<const Image>>& histories);
-  void ended(const JobName& name, std::size_t frame, const JobReport& report);
+  void ended(const JobName& name, std::size_t frame, JobReport report);
   void file_next();
   void settle(OpenJob& job, std::size_t place);
   void save(const OpenJob& job);

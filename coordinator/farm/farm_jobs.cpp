@@ -132,7 +132,7 @@ void Farm::begin(OpenJob& job) {
   job.keeper =
       std::make_shared<FarmKeeper>(store_, job.record.number, left.places, std::move(identities), job.frames,
                                    [this](const std::string& what) { have_trouble(what); });
-  JobWatcher watcher{.finished = [this, name](std::size_t i, const JobReport& r) { ended(name, i, r); },
+  JobWatcher watcher{.finished = [this, name](std::size_t i, JobReport r) { ended(name, i, std::move(r)); },
                      .noted =
                          [this, name](std::size_t i, const std::string& text) {
                            OpenJob& noted = open_.at(name);
@@ -149,7 +149,7 @@ Standing Farm::standing_of(const OpenJob& job) const {
   return {.rank = job.record.number << 20, .band = job.record.priority, .flow = job.record.owner};
 }
 
-void Farm::ended(const JobName& name, std::size_t i, const JobReport& report) {
+void Farm::ended(const JobName& name, std::size_t i, JobReport report) {
   changed_ = true;
   OpenJob& job = open_.at(name);
   const std::size_t place = job.places[i];
@@ -164,7 +164,8 @@ void Farm::ended(const JobName& name, std::size_t i, const JobReport& report) {
   job.samples_before += frame.pixel_samples;
   ++job.writing;
   const std::string key = report.continued ? job.keys[place] : image_key(job.jobs[place], "");
-  clerk_.write({name, place, job.jobs[place], report, style_of(job.submission, options_.version), key});
+  clerk_.write(
+      {name, place, job.jobs[place], std::move(report), style_of(job.submission, options_.version), key});
 }
 
 void Farm::file_failed(OpenJob& job, std::size_t place, const JobReport& report) {
