@@ -153,6 +153,8 @@ std::string_view to_string(StopReason reason) {
       return "max_seconds";
     case StopReason::interrupted:
       return "interrupted";
+    case StopReason::filtered:
+      return "filtered";
   }
   return "";
 }

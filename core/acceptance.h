@@ -60,7 +60,13 @@ struct Budget {
   double seconds = 0;  // of wall time so far
 };
 
-enum class StopReason : unsigned char { accepted, max_samples, max_seconds, interrupted };
+enum class StopReason : unsigned char {
+  accepted,
+  max_samples,
+  max_seconds,
+  interrupted,
+  filtered  // all there was to do with a frame that is given
+};
 std::string_view to_string(StopReason);
 
 struct Decision {

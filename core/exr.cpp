@@ -6,6 +6,7 @@
 #include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
@@ -97,6 +98,24 @@ void write_pixels(Imf::OutputFile& out, const ExrImage& image) {
   out.setFrameBuffer(buffer);
   out.writePixels(image.pixels.region().height());
 }
+
+// A file in memory.
+class Bytes : public Imf::OStream {
+ public:
+  Bytes() : Imf::OStream("memory") {}
+  void write(const char from[], int n) override {
+    if (at_ + static_cast<std::size_t>(n) > bytes_.size()) bytes_.resize(at_ + static_cast<std::size_t>(n));
+    std::copy_n(from, n, bytes_.begin() + static_cast<std::ptrdiff_t>(at_));
+    at_ += static_cast<std::size_t>(n);
+  }
+  std::uint64_t tellp() override { return at_; }
+  void seekp(std::uint64_t to) override { at_ = to; }
+  std::string taken() && { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+  std::size_t at_ = 0;
+};
 
 // Window of a file, or an InputError unless it is one that a frame may have.
 Region region_of(const std::string& file, const char* which, const Imath::Box2i& box) {
@@ -225,6 +244,18 @@ void write_exr(const std::filesystem::path& file, const ExrImage& image, const s
   } catch (const std::exception& e) {
     throw InputError(file.string(), fmt::format("cannot be written: {}", e.what()), "a writable folder");
   }
+}
+
+std::string exr_bytes(const ExrImage& image, const std::string& compression) {
+  assert(!image.pixels.empty() && image.channels.size() == static_cast<std::size_t>(image.pixels.planes()));
+  const Imf::Compression how = compression_of(compression);
+  require_distinct_names("an EXR in memory", image.channels);
+  Bytes bytes;
+  {
+    Imf::OutputFile out(bytes, header_of(image, how));
+    write_pixels(out, image);
+  }
+  return std::move(bytes).taken();
 }
 
 ExrImage read_exr(const std::filesystem::path& file, std::int64_t most_values) {

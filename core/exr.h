@@ -48,6 +48,9 @@ struct ExrImage {
 // and a place that cannot be written.
 void write_exr(const std::filesystem::path& file, const ExrImage&, const std::string& compression = "zip");
 
+// The bytes of such a file, which are the same for the same picture. Throws InputError for the same names.
+std::string exr_bytes(const ExrImage&, const std::string& compression = "zip");
+
 // Reads scanline and tiled files; of a file with several parts the first, which must be flat. Channels come
 // sorted by name; integer channels as float. Metadata are the attributes that are strings, floats or ints.
 // Throws InputError for a file that is missing, not an EXR, corrupt, incomplete, deep, or absurdly large:

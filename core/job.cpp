@@ -40,17 +40,29 @@ void validate(const AcceptanceRule& rule) {
             fmt::format("{}", *rule.max_seconds), "a number above 0");
 }
 
-// The film over a tile's outer region is one message.
+void validate(const Given& given, const Job& job) {
+  require(is_digest(given.planes), "given.planes", "no digest", "64 hexadecimal digits");
+  require(is_window(given.display), "given.display", "no region", "1 to 65536 pixels an edge");
+  require(job.crop && is_window(*job.crop), "crop", "no region", "1 to 65536 pixels an edge");
+  require(job.scene == SceneRef{}, "scene", "named", "none, as the frame is given");
+}
+
+// What a filter takes over a tile's outer region is one message.
 void validate_tile(const Job& job) {
   const double width = std::min(job.tile.width + 2 * job.filter.halo(), job.region().width());
   const double height = std::min(job.tile.height + 2 * job.filter.halo(), job.region().height());
-  const double bytes = width * height * FilmLayout(film_aovs(job)).planes() * sizeof(float);
+  const double bytes = width * height * filter_shape(job).taken * sizeof(float);
   require(bytes <= kMaxPixelBytes, "tile",
           fmt::format("{}x{}: with its halo more than 1 GiB", job.tile.width, job.tile.height),
           "a smaller tile");
 }
 
 }  // namespace
+
+bool is_window(const Region& r) {
+  return std::min(r.x0, r.y0) >= -kFarthest && std::max(r.x1, r.y1) <= kFarthest + 1 && !r.empty() &&
+         r.width() <= kMaxEdge && r.height() <= kMaxEdge;
+}
 
 void validate(const Job& job) {
   const Size size = job.render.size;
@@ -65,7 +77,9 @@ void validate(const Job& job) {
   require_range(job.tile.height, 1, kMaxEdge, "tile height");
   require_range(job.task_samples, 1, 1 << 30, "task_samples");
   const Region whole{0, 0, size.width, size.height};
-  if (job.crop)
+  if (job.given)
+    validate(*job.given, job);
+  else if (job.crop)
     require(!job.crop->empty() && whole.contains(*job.crop), "crop",
             fmt::format("{} {} {} {}", job.crop->x0, job.crop->y0, job.crop->x1, job.crop->y1),
             "a region with pixels inside the frame");

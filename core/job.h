@@ -9,6 +9,7 @@
 
 #include "core/filter/filter.h"
 #include "core/region.h"
+#include "core/sha256.h"
 
 namespace tessera {
 
@@ -51,11 +52,20 @@ struct AcceptanceRule {
   bool operator==(const AcceptanceRule&) const = default;
 };
 
+// Of a frame that is not rendered, but comes as the planes that its filter takes. Its region is Job::crop.
+struct Given {
+  Digest planes;         // the blob that holds them, see core/filter/given.h
+  Region display;        // the whole picture, of which they may be a part, or more than that
+  bool goes_on = false;  // by what the frame that is before it in its job keeps
+  bool operator==(const Given&) const = default;
+};
+
 struct Job {
   SceneRef scene;
   RenderSettings render;
   int frame = 0;               // frame number; a coordinate of the randomness
   std::optional<Region> crop;  // pixels; only these are rendered and written
+  std::optional<Given> given;  // none: it is rendered
   FilterPlan filter;
   AcceptanceRule acceptance;
   Size tile{256, 256};         // inner size of the tiles in which the frame is filtered
@@ -64,6 +74,10 @@ struct Job {
   Region region() const { return crop.value_or(Region{0, 0, render.size.width, render.size.height}); }
   bool operator==(const Job&) const = default;
 };
+
+// Whether pixels may be there: 1 to kMaxEdge along each edge, and no farther out than leaves room for halos.
+inline constexpr int kFarthest = 1 << 30;
+bool is_window(const Region&);
 
 // Throws InputError that names the field, unless every number is in its range.
 void validate(const Job&);

@@ -10,6 +10,14 @@ AovSet film_aovs(const Job& job) {
   return job.render.aovs | AovSet{Aov::color} | aovs_of(job.filter.inputs());
 }
 
+FilterShape filter_shape(const Job& job) {
+  if (job.given) {
+    const int kept = job.filter.history();
+    return {static_cast<int>(job.filter.inputs().size()), 3 + kept, kept};
+  }
+  return {FilmLayout(film_aovs(job)).planes(), filtered_planes(job.filter), history_planes(job.filter)};
+}
+
 std::vector<Tile> plan_tiles(const Job& job) { return tiles_over(job.region(), job.tile, job.filter.halo()); }
 
 std::vector<Region> plan_cells(const Job& job) { return grid_cells(job.region(), {kCellEdge, kCellEdge}); }

@@ -13,6 +13,13 @@ namespace tessera {
 // What the film of the job keeps: what was asked for, and what the filter and the stop rule need.
 AovSet film_aovs(const Job&);
 
+// Of the job's filter tasks: how many planes one takes of its frame and of the one before, and has as its
+// answer, of which the last ones are kept for the frame behind.
+struct FilterShape {
+  int taken = 0, answer = 0, kept = 0;
+};
+FilterShape filter_shape(const Job&);
+
 // The frame's tiles, with the halo of the job's filter.
 std::vector<Tile> plan_tiles(const Job&);
 

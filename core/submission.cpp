@@ -34,6 +34,19 @@ void require_limits(const JobLimits& limits) {
   require(!limits.bytes || *limits.bytes > 0, "limits.bytes", "above 0");
 }
 
+void require_given(const Submission& s) {
+  require(!s.job.given, "given", "none in the job of all frames");
+  if (s.given.empty()) return;
+  require(s.given.size() == s.frames.size(), "given", "as many as there are frames, or none");
+  require(s.layers_for.empty(), "layers_for", "none of frames that are given");
+  for (std::size_t i = 0; i < s.given.size(); ++i) {
+    const GivenFrame& g = s.given[i];
+    require(std::isfinite(g.diameter) && g.diameter >= 0, "given.diameter", "0 or more");
+    require(std::isfinite(g.light) && g.light >= 0, "given.light", "0 or more");
+    validate(job_of(s, i));
+  }
+}
+
 }  // namespace
 
 bool is_job_name(std::string_view name) {
@@ -64,17 +77,28 @@ void validate(const Submission& s) {
   require(s.layers_for.size() <= kMaxName, "layers_for", "at most 256 bytes");
   if (!s.layers_for.empty()) parse_filter(s.layers_for);
   validate(s.job);
+  require_given(s);
+}
+
+Job job_of(const Submission& s, std::size_t place) {
+  Job job = s.job;
+  SceneFacts facts = s.facts;
+  if (!s.given.empty()) {
+    const GivenFrame& g = s.given[place];
+    job.given = g.given;
+    job.crop = g.region;
+    facts.diameter = g.diameter;
+    facts.light = g.light;
+  }
+  job.frame = facts.frame = s.frames[place];
+  job.filter = resolved(s.job.filter, facts);
+  return job;
 }
 
 std::vector<Job> jobs_of(const Submission& s) {
   std::vector<Job> jobs;
   jobs.reserve(s.frames.size());
-  SceneFacts facts = s.facts;
-  for (const int frame : s.frames) {
-    Job& job = jobs.emplace_back(s.job);
-    job.frame = facts.frame = frame;
-    job.filter = resolved(s.job.filter, facts);
-  }
+  for (std::size_t i = 0; i < s.frames.size(); ++i) jobs.push_back(job_of(s, i));
   return jobs;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is handed in to a farm: frames of one scene, and everything about them that is not in the scene's
-// files. Complete: nothing else is asked of who submitted it, nor of the scene, until its images are there.
+// What is handed in to a farm: frames of one scene, or frames that are there and are only to be filtered, and
+// everything about them that is not in the scene's files, or with their planes. Complete: nothing else is
+// asked of who submitted it, nor of the scene, until its images are there.
 #pragma once
 
 #include <cstdint>
@@ -34,14 +35,23 @@ struct SceneNames {
   bool operator==(const SceneNames&) const = default;
 };
 
+// A frame that is not rendered, but comes as the planes that its filter takes.
+struct GivenFrame {
+  Given given;
+  Region region;                   // that they cover
+  double diameter = 0, light = 0;  // facts of what it shows
+  bool operator==(const GivenFrame&) const = default;
+};
+
 struct Submission {
   std::string name;            // for people: any text of 1 to 256 bytes
   int priority = 50;           // 0..100; the higher, the sooner
   std::vector<JobName> after;  // jobs that must be completed before
   JobLimits limits;
-  Job job;                  // of every frame, but for its number; filters that go by facts not resolved
-  std::vector<int> frames;  // their numbers, in the order in which they are wanted; each once
-  SceneFacts facts;         // of the scene
+  Job job;                        // of every frame, but for its number; filters that go by facts not resolved
+  std::vector<int> frames;        // their numbers, in the order in which they are wanted; each once
+  std::vector<GivenFrame> given;  // of each frame; none: they are rendered
+  SceneFacts facts;               // of the scene
   SceneNames names;
   bool transparent = false;  // the scene stands before nothing: previews have coverage
   std::string compression = "zip";
@@ -54,7 +64,8 @@ struct Submission {
 // Throws InputError that names the field, unless every number is in its range.
 void validate(const Submission&);
 
-// The jobs of its frames, each with its number, and its filter resolved.
-std::vector<Job> jobs_of(const Submission&);
+// The job of a frame by its place in the list, with its number, and its filter resolved.
+Job job_of(const Submission&, std::size_t place);
+std::vector<Job> jobs_of(const Submission&);  // of all
 
 }  // namespace tessera

@@ -22,8 +22,8 @@ struct RenderTask {
   bool operator==(const RenderTask&) const = default;
 };
 
-// Filter `tile`; the film's sums over tile.outer travel along, and of a temporal filter the history that they
-// touch.
+// Filter `tile`; what the filter takes over tile.outer travels along, and of a temporal filter the history
+// that it touches.
 struct FilterTask {
   Tile tile;
   int round = 0;
@@ -41,13 +41,14 @@ struct Task {
 
 // What a filter task works on; both are empty for other tasks.
 struct FilterInput {
-  Image film;     // sums over tile.outer
-  Image history;  // history_planes() of the frame before, where tile.outer was seen; empty: there is none
+  Image film;     // sums over tile.outer; of a frame that is given: the filter's planes
+  Image history;  // what the frame before keeps, where tile.outer was seen; empty: there is none
 };
 
 // The answer to a filter task: planes over tile.inner.
 //   0..2 the filter run on all samples   3..5 on half A   6..8 on half B
 //   then what a temporal filter keeps for the next frame, in the same order: see filter/history.h
+// Of a frame that is given there are no halves: 0..2, then what is kept. See FilterShape in core/plan.h.
 inline constexpr int kFilteredPlanes = 9;
 inline int filtered_planes(const FilterPlan& plan) { return kFilteredPlanes + history_planes(plan); }
 using Filtered = Image;

@@ -62,6 +62,44 @@ std::vector<std::string> names_from(const wire::Names& w, std::string_view field
   return names;
 }
 
+void to_wire(const Region& r, google::protobuf::RepeatedField<std::int32_t>& w) {
+  for (const int at : {r.x0, r.y0, r.x1, r.y1}) w.Add(at);
+}
+
+void to_wire(const std::vector<GivenFrame>& frames, wire::GivenFrames& w) {
+  for (const GivenFrame& f : frames) {
+    *w.mutable_planes() += f.given.planes;
+    to_wire(f.region, *w.mutable_regions());
+    to_wire(f.given.display, *w.mutable_regions());
+    w.add_goes_on(f.given.goes_on);
+    w.add_facts(f.diameter);
+    w.add_facts(f.light);
+  }
+}
+
+std::vector<GivenFrame> given_from(const wire::GivenFrames& w) {
+  constexpr std::size_t kDigest = 64, kNumbers = 8, kFacts = 2;
+  const auto count = static_cast<std::size_t>(w.goes_on_size());
+  require(count <= kMaxFrames, "given", "too many entries");
+  require(w.planes().size() == kDigest * count &&
+              static_cast<std::size_t>(w.regions_size()) == kNumbers * count &&
+              static_cast<std::size_t>(w.facts_size()) == kFacts * count,
+          "given", "its lists are not of the same frames");
+  std::vector<GivenFrame> frames(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto region = [&](std::size_t first) {
+      const std::int32_t* n = w.regions().data() + kNumbers * i + first;
+      return Region{n[0], n[1], n[2], n[3]};
+    };
+    frames[i] = {
+        .given = {w.planes().substr(kDigest * i, kDigest), region(4), w.goes_on(static_cast<int>(i))},
+        .region = region(0),
+        .diameter = w.facts(static_cast<int>(kFacts * i)),
+        .light = w.facts(static_cast<int>(kFacts * i + 1))};
+  }
+  return frames;
+}
+
 JobLimits limits_from(const wire::JobLimits& w) {
   JobLimits limits;
   if (w.has_seconds()) limits.seconds = w.seconds();
@@ -95,11 +133,12 @@ std::string encode(const Submission& s) {
   to_wire(s.names.light_groups, *w.mutable_light_groups());
   to_wire(s.names.objects, *w.mutable_objects());
   to_wire(s.names.materials, *w.mutable_materials());
+  if (!s.given.empty()) to_wire(s.given, *w.mutable_given());
   std::string bytes;
   w.SerializeToString(&bytes);
   if (bytes.size() > kMaxSubmissionBytes)
     throw Error(ExitCode::bad_usage,
-                fmt::format("the names of the scene's objects and materials take {} MiB; "
+                fmt::format("the names of the scene's objects and materials, or its frames, take {} MiB; "
                             "accepted: at most {} MiB for all of a job",
                             bytes.size() >> 20, kMaxSubmissionBytes >> 20));
   return bytes;
@@ -115,6 +154,7 @@ Submission decode_submission(std::string_view bytes) {
   s.frames = {w.frames().begin(), w.frames().end()};
   s.names = {names_from(w.light_groups(), "light_groups"), names_from(w.objects(), "objects"),
              names_from(w.materials(), "materials")};
+  if (w.has_given()) s.given = given_from(w.given());
   try {
     validate(s);
   } catch (const Error& error) {

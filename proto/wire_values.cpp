@@ -112,6 +112,10 @@ void to_wire(const Job& job, wire::Job& w) {
   if (job.acceptance.max_seconds) rule.set_max_seconds(*job.acceptance.max_seconds);
   to_wire(job.tile, *w.mutable_tile());
   w.set_task_samples(job.task_samples);
+  if (!job.given) return;
+  w.mutable_given()->set_planes(job.given->planes);
+  to_wire(job.given->display, *w.mutable_given()->mutable_display());
+  w.mutable_given()->set_goes_on(job.given->goes_on);
 }
 
 void shape_to_wire(const Image& image, wire::Planes& w) {
@@ -145,8 +149,7 @@ double seconds_from(double seconds, std::string_view field) {
 
 Region region_from(const wire::Region& w, std::string_view field) {
   const Region r{w.x0(), w.y0(), w.x1(), w.y1()};
-  require(0 <= r.x0 && r.x0 < r.x1 && r.x1 <= kMaxEdge && 0 <= r.y0 && r.y0 < r.y1 && r.y1 <= kMaxEdge, field,
-          "is not a region with pixels inside 0 to 65536");
+  require(is_window(r), field, "is not a region of 1 to 65536 pixels an edge");
   return r;
 }
 
@@ -158,7 +161,9 @@ SampleRange samples_from(const wire::SampleRange& w, std::string_view field) {
 }
 
 RenderTask task_from(const wire::RenderTask& w) {
-  return {region_from(w.region(), "region"), samples_from(w.samples(), "samples")};
+  const Region region = region_from(w.region(), "region");
+  require(Region{0, 0, kMaxEdge, kMaxEdge}.contains(region), "region", "is not inside 0 to 65536");
+  return {region, samples_from(w.samples(), "samples")};
 }
 
 FilterTask task_from(const wire::FilterTask& w) {
@@ -174,11 +179,14 @@ Job job_from(const wire::Job& w) {
           .render = render_from(w.render()),
           .frame = w.frame(),
           .crop = {},
+          .given = {},
           .filter = filter_from(w.filter()),
           .acceptance = acceptance_from(w.acceptance()),
           .tile = size_from(w.tile()),
           .task_samples = w.task_samples()};
   if (w.has_crop()) job.crop = region_from(w.crop(), "crop");
+  if (w.has_given())
+    job.given = {w.given().planes(), region_from(w.given().display(), "display"), w.given().goes_on()};
   try {
     validate(job);
   } catch (const Error& error) {

@@ -50,14 +50,17 @@ class StandardRunner : public TaskRunner {
   }
 
   TaskResult run(const Job& job, const FilterTask& work, const FilterInput& input) {
-    const FilmLayout layout(film_aovs(job));
-    if (input.film.planes() != layout.planes())
-      throw Error(ExitCode::internal_error, fmt::format("filter task: the film has {} planes, not {}",
-                                                        input.film.planes(), layout.planes()));
+    if (const int taken = filter_shape(job).taken; input.film.planes() != taken)
+      throw Error(ExitCode::internal_error,
+                  fmt::format("filter task: the film has {} planes, not {}", input.film.planes(), taken));
     DevicePool::Use use = devices_.use(static_cast<double>(work.tile.outer.area()));
     const Instant begin = clock_now();
-    FilterDone done{.filtered = filter_task(use.device(), job.filter, input.film, layout, work.tile,
-                                            job.region(), input.history)};
+    FilterDone done;
+    if (job.given)
+      done.filtered = filter(use.device(), job.filter, input.film, work.tile, job.region(), input.history);
+    else
+      done.filtered = filter_task(use.device(), job.filter, input.film, FilmLayout(film_aovs(job)), work.tile,
+                                  job.region(), input.history);
     use.done(std::chrono::duration<double>(clock_now() - begin).count());
     return done;
   }

@@ -52,6 +52,7 @@ TEST(Codec, EveryFieldOfAJobTravels) {
   EXPECT_EQ(offer.id, 77u);
   EXPECT_EQ(offer.job, sample_job());
   EXPECT_EQ(std::get<JobOffer>(round_trip(JobOffer{1, Job{}})).job, Job{});
+  EXPECT_EQ(std::get<JobOffer>(round_trip(JobOffer{1, sample_given_job()})).job, sample_given_job());
 }
 
 TEST(Codec, EveryFieldOfATaskTravels) {
@@ -193,6 +194,17 @@ TEST(Codec, RegionsOutsideTheLargestFrameAreRefused) {
   EXPECT_THAT(
       complaint(Assign{{1, 1, FilterTask{{{0, 0, 8, 8}, {0, 0, 9, 8}}, 0}}, 1, Image({0, 0, 8, 8}, 1)}),
       StartsWith("message: input"));
+}
+
+TEST(Codec, AFrameThatIsGivenMayReachBeyondItsPictureButNotTooFar) {
+  const auto task = [](const Region& r) {
+    return Assign{{1, 1, FilterTask{{r, r}, 1}}, 1, Image({r.x0, r.y0, r.x0 + 1, r.y0 + 1}, 1)};
+  };
+  const Region beyond{-70'000, -3, -69'999, -2};
+  EXPECT_EQ(complaint(task(beyond)), "none");
+  EXPECT_EQ(complaint(FilterDone{1, 1, counting_image(beyond, 5)}), "none");
+  for (const Region bad : {Region{-(1 << 30) - 1, 0, -(1 << 30), 1}, {0, (1 << 30) + 1, 1, (1 << 30) + 2}})
+    EXPECT_THAT(complaint(task(bad)), StartsWith("message: inner"));
 }
 
 TEST(Codec, AJobThatIsNoneIsRefused) {

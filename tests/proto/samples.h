@@ -33,6 +33,15 @@ inline Job sample_job() {
   return job;
 }
 
+// Of a frame that is given, and reaches beyond its picture.
+inline Job sample_given_job() {
+  Job job;
+  job.frame = 9;
+  job.given = Given{.planes = sha256("planes"), .display = {0, 0, 40, 30}, .goes_on = true};
+  job.crop = Region{-8, -8, 48, 38};
+  return job;
+}
+
 inline std::vector<Message> sample_messages() {
   const Region region{64, 128, 67, 133}, outer{60, 120, 72, 140};
   std::vector<Message> all;
@@ -46,6 +55,7 @@ inline std::vector<Message> sample_messages() {
   all.push_back(Welcome{1, Millis{1500}, Millis{4000}});
   all.push_back(Refused{"too old"});
   all.push_back(JobOffer{77, sample_job()});
+  all.push_back(JobOffer{78, sample_given_job()});
   all.push_back(Assign{{5, 77, RenderTask{region, {0, 8}}}, 2, {}});
   all.push_back(Assign{{6, 77, FilterTask{{region, outer}, 3}}, 1, counting_image(outer, 4)});
   all.push_back(Assign{

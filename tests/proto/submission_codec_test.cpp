@@ -34,6 +34,69 @@ TEST(SubmissionCodec, EveryFieldComesBack) {
   EXPECT_EQ(decode_submission(encode(plain)), plain);
 }
 
+// Frames that are not rendered, one of which reaches beyond its picture.
+Submission given() {
+  Submission s;
+  s.name = "given";
+  s.job.filter = parse_filter("svgf:history=on,sigma_l=2");
+  s.frames = {7, 6};
+  const Region picture{0, 0, 40, 30};
+  s.given = {{{sha256("7"), picture, false}, {-8, -8, 48, 38}, 12.5, 0.25},
+             {{sha256("6"), picture, true}, picture, 0, 0}};
+  return s;
+}
+
+TEST(SubmissionCodec, FramesThatAreGivenComeBack) {
+  EXPECT_EQ(decode_submission(encode(given())), given());
+  const std::vector<Job> jobs = jobs_of(given());
+  EXPECT_EQ(jobs[0].region(), (Region{-8, -8, 48, 38}));
+  EXPECT_EQ(jobs[1].given->planes, sha256("6"));
+  EXPECT_TRUE(jobs[1].given->goes_on);
+  EXPECT_EQ(jobs[0].frame, 7);
+}
+
+TEST(SubmissionCodec, EachFrameThatIsGivenHasItsOwnFacts) {
+  Submission s = given();
+  s.job.filter = parse_filter("sbf");
+  for (const FilterDescription& d : filters())
+    for (const Parameter& p : d.parameters)
+      if (p.fact == SceneFact::diameter) {
+        s.job.filter = parse_filter(d.name);
+        EXPECT_EQ(jobs_of(s)[0].filter[p.name], 12.5) << d.name;
+        EXPECT_EQ(jobs_of(s)[1].filter[p.name], 1) << d.name << ": not known";
+      }
+}
+
+TEST(SubmissionCodec, FramesThatCannotBeGivenAreRefusedByTheNameOfTheField) {
+  const auto wrong = [](auto&& spoil) {
+    Submission s = given();
+    spoil(s);
+    try {
+      decode_submission(encode(s));
+    } catch (const ProtocolError& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  EXPECT_EQ(wrong([](auto&) {}), "none");
+  EXPECT_THAT(wrong([](auto& s) { s.given.pop_back(); }), HasSubstr("given"));
+  EXPECT_THAT(wrong([](auto& s) { s.given[1].given.planes = "no digest"; }), HasSubstr("given"));
+  EXPECT_THAT(wrong([](auto& s) { s.given[1].given.planes[3] = 'x'; }), HasSubstr("given.planes"));
+  EXPECT_THAT(wrong([](auto& s) { s.given[1].given.display = {}; }), HasSubstr("given.display"));
+  EXPECT_THAT(wrong([](auto& s) { s.given[1].region = {0, 0, 65537, 1}; }), HasSubstr("crop"));
+  EXPECT_THAT(wrong([](auto& s) { s.given[1].region = {1 << 30, 0, (1 << 30) + 2, 1}; }), HasSubstr("crop"));
+  EXPECT_THAT(wrong([](auto& s) { s.given[0].diameter = -1; }), HasSubstr("given.diameter"));
+  EXPECT_THAT(wrong([](auto& s) { s.given[0].light = NAN; }), HasSubstr("given.light"));
+  EXPECT_THAT(wrong([](auto& s) { s.layers_for = "nlm"; }), HasSubstr("layers_for"));
+  EXPECT_THAT(wrong([](auto& s) { s.job.scene.path = "a.json"; }), HasSubstr("scene"));
+  EXPECT_THAT(wrong([](auto& s) { s.job.given = s.given[0].given; }), HasSubstr("crop"));
+  EXPECT_THAT(wrong([](auto& s) {
+                s.job.tile = {65536, 65536};
+                s.given[0].region = {0, 0, 30000, 30000};
+              }),
+              HasSubstr("smaller tile"));
+}
+
 TEST(SubmissionCodec, EqualSubmissionsAreEqualBytes) {
   EXPECT_EQ(encode(decode_submission(encode(sample_submission()))), encode(sample_submission()));
 }
@@ -75,8 +138,7 @@ TEST(SubmissionCodec, WhatIsTooLongIsRefusedUnread) {
   EXPECT_THAT([&] { decode_submission(encode(s)); }, ThrowsMessage<ProtocolError>(HasSubstr("head")));
 }
 
-TEST(SubmissionCodec, DamagedBytesAreASubmissionOrAProtocolError) {
-  const std::string whole = encode(sample_submission());
+void expect_damage_is_noticed_or_harmless(const std::string& whole) {
   std::mt19937 random{20261126};
   int good = 0, refused = 0;
   const auto read = [&](const std::string& bytes) {
@@ -96,6 +158,11 @@ TEST(SubmissionCodec, DamagedBytesAreASubmissionOrAProtocolError) {
   }
   EXPECT_GT(refused, 10'000);
   EXPECT_GT(good, 1'000);
+}
+
+TEST(SubmissionCodec, DamagedBytesAreASubmissionOrAProtocolError) {
+  expect_damage_is_noticed_or_harmless(encode(sample_submission()));
+  expect_damage_is_noticed_or_harmless(encode(given()));
 }
 
 }  // namespace
