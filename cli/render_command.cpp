@@ -47,7 +47,7 @@ fs::path output_of(const RenderOptions& o) {
 void require_memory(const Job& job, std::size_t in_flight) {
   const double pages = static_cast<double>(sysconf(_SC_PHYS_PAGES)),
                page = static_cast<double>(sysconf(_SC_PAGESIZE));
-  const double needed = Frame::bytes(job) * static_cast<double>(in_flight), there = pages * page;
+  const double needed = frame_bytes(job) * static_cast<double>(in_flight), there = pages * page;
   if (needed > there)
     throw Error(
         ExitCode::out_of_memory,

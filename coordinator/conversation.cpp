@@ -160,8 +160,8 @@ Wish Coordinator::wish_of(const Active& active, TaskId id, const Work& work) con
   const Tile& tile = std::get<FilterTask>(work).tile;
   wish.filter = true;
   wish.cost = kFilterCost * static_cast<double>(tile.outer.area());
-  wish.bytes =
-      static_cast<std::uint64_t>(tile.outer.area()) * active.frame().layout().planes() * sizeof(float);
+  wish.bytes = static_cast<std::uint64_t>(tile.outer.area()) * filter_shape(active.frame().job()).taken *
+               sizeof(float);
   return wish;
 }
 

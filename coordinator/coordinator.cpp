@@ -20,9 +20,10 @@ Instant before(Instant now, double seconds) {
   return now - std::chrono::duration_cast<Instant::duration>(std::chrono::duration<double>(seconds));
 }
 
+// Precondition: it is not given, for there is nobody to ask for its planes.
 Keeper::Begun begin_anew(const Job& job) {
-  Keeper::Begun begun{{Frame(job, true)}, {}};
-  begun.work = begun.frame.frame.begin();
+  Keeper::Begun begun{{make_frame(job)}, {}};
+  begun.work = begun.frame.frame->begin();
   return begun;
 }
 
@@ -110,6 +111,11 @@ void Coordinator::begin_frame(ShotId shot, Run& run, const ShotPlan::Start& star
                                                .started = before(now, begun.frame.seconds),
                                                .state = std::move(begun.frame)})
                        .first->second;
+  if (begun.failure) {
+    active.failure = std::move(begun.failure);
+    active.bad_input = true;
+    return;
+  }
   if (!start.awaits_history && active.frame().awaits_history()) remember(active, start.history, now);
   add(active, begun.work, now);
 }
@@ -250,7 +256,8 @@ void Coordinator::advance(Active& a, Instant now) {
     return a.frame().stop(StopReason::max_seconds);
   if (!a.frame().round_complete()) return;
   const std::vector<Work> next = a.frame().look({seconds});
-  a.state.errors.push_back(static_cast<float>(a.frame().progress(seconds).error.value_or(0)));
+  if (const auto error = a.frame().progress(seconds).error)
+    a.state.errors.push_back(static_cast<float>(*error));
   if (a.frame().stopped()) return;
   if (Keeper* keeper = run_of(a).keeper) keeper->looked(a.place, a.state, seconds);
   add(a, next, now);

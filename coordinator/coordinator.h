@@ -129,8 +129,8 @@ class Coordinator {
     bool bad_input = false;
     bool interrupted = false;
 
-    Frame& frame() { return state.frame; }
-    const Frame& frame() const { return state.frame; }
+    Frame& frame() { return *state.frame; }
+    const Frame& frame() const { return *state.frame; }
     bool over() const { return failure.has_value() || frame().stopped(); }
   };
 

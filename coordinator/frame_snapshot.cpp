@@ -3,7 +3,7 @@
 #include <bit>
 #include <cassert>
 
-#include "coordinator/frame.h"
+#include "coordinator/rendered_frame.h"
 #include "core/error.h"
 
 namespace tessera {
@@ -45,7 +45,7 @@ void require_images(const FrameSnapshot& s, const Job& job, int film_planes) {
 
 }  // namespace
 
-Frame::Frame(const Job& job, FrameSnapshot s) : Frame(job, true) {
+RenderedFrame::RenderedFrame(const Job& job, FrameSnapshot s) : RenderedFrame(job, true) {
   require_counts(s, job, cells_.size());
   require_images(s, job, layout().planes());
   const std::size_t looked = s.round == 1 ? 0 : cells_.size();
@@ -70,7 +70,7 @@ Frame::Frame(const Job& job, FrameSnapshot s) : Frame(job, true) {
   start_round(s.want);
 }
 
-FrameSnapshot Frame::snapshot() const {
+FrameSnapshot RenderedFrame::snapshot() const {
   assert(round_ >= 1 && !stopped() && film_.settled() && samples_done_ < samples_round_);
   FrameSnapshot s{.round = round_, .have = have_, .want = want_};
   if (!seen()) return s;
@@ -83,12 +83,12 @@ FrameSnapshot Frame::snapshot() const {
   return s;
 }
 
-std::vector<Work> Frame::outstanding() const {
+std::vector<Work> RenderedFrame::outstanding() const {
   std::vector<Work> work;
   if (stopped()) return work;
-  for (const RenderTask& task : plan_render(job_, have_, want_))
+  for (const RenderTask& task : plan_render(job(), have_, want_))
     if (!film_.has(task.region, task.samples)) work.emplace_back(task);
-  if (awaits_history_) return work;
+  if (awaits_history()) return work;
   for (std::size_t t = 0; t < tiles_.size(); ++t)
     if (cells_left_[t] == 0 && !tile_stitched_[t]) work.emplace_back(FilterTask{tiles_[t], round_});
   return work;

@@ -55,6 +55,7 @@ void write_frame(const fs::path& exr, const fs::path& png, const Job& job, const
 
 // Without a target there is nothing to fall short of.
 bool fell_short(const Job& job, const FrameImage& image) {
+  if (job.given) return image.stop != StopReason::filtered;
   return job.acceptance.relmse.has_value() && image.stop != StopReason::accepted;
 }
 

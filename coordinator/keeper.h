@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -16,7 +17,7 @@ namespace tessera {
 
 // A frame under way, and what is known of it besides.
 struct FrameUnderWay {
-  Frame frame;
+  std::unique_ptr<Frame> frame;
   double seconds = 0;  // of work so far
   std::uint64_t dropped = 0;
   std::set<std::string> device_classes = {};
@@ -29,8 +30,9 @@ class Keeper {
  public:
   virtual ~Keeper() = default;
   struct Begun {
-    FrameUnderWay frame;     // as an earlier life left it, or at its begin
-    std::vector<Work> work;  // to be given out
+    FrameUnderWay frame;                      // as an earlier life left it, or at its begin
+    std::vector<Work> work;                   // to be given out
+    std::optional<std::string> failure = {};  // what the frame is given cannot be had: it fails at once
   };
   virtual Begun begin(std::size_t frame, const Job&) = 0;
   // What the frame before kept, or null, is about to be remembered.

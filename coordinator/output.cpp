@@ -15,8 +15,9 @@ namespace {
 
 class Layers {
  public:
-  Layers(const Job& job, const Region& region) : region_(region) {
-    exr_.display = {0, 0, job.render.size.width, job.render.size.height};
+  explicit Layers(const Job& job) : region_(job.region()) {
+    const Size size = job.render.size;
+    exr_.display = job.given ? job.given->display : Region{0, 0, size.width, size.height};
   }
 
   void remove(const std::string& name) {
@@ -136,28 +137,33 @@ void add_input(Layers& layers, const FrameImage& frame, const Channel& c) {
   layers.add(name, developed(frame.sums, frame.layout, std::array{c}, Part::all).plane(0), false);
 }
 
-void add_metadata(ExrImage& exr, const Job& job, const FrameImage& frame, const Provenance& from,
-                  const Image& samples) {
+void add_metadata(ExrImage& exr, const Job& job, const FrameImage& frame, const Provenance& from) {
+  auto& m = exr.metadata;
+  m["tessera/version"] = from.version;
+  m["tessera/error"] = verdict(job, frame);
+  m["tessera/filter"] = to_string(job.filter);
+  m["tessera/frame"] = job.frame;
+  if (!from.key.empty()) m["tessera/job"] = from.key;
+  m["tessera/tile"] = fmt::format("{}x{}", job.tile.width, job.tile.height);
+  m["tessera/device"] = from.device;
+  m["tessera/seconds"] = static_cast<float>(from.seconds);
+}
+
+// What is known of a frame that was rendered.
+void add_rendering(ExrImage& exr, const Job& job, const FrameImage& frame, const Provenance& from,
+                   const Image& samples) {
   auto& m = exr.metadata;
   const auto [least, most] = std::minmax_element(samples.data().begin(), samples.data().end());
-  m["tessera/version"] = from.version;
   m["tessera/scene"] = from.scene_hash;
   m["tessera/samples"] =
       fmt::format("{:.0f} {:.2f} {:.0f}", *least,
                   static_cast<double>(frame.pixel_samples) / samples.region().area(), *most);
-  m["tessera/error"] = verdict(job, frame);
-  m["tessera/filter"] = to_string(job.filter);
   m["tessera/seed"] = fmt::format("{}", job.render.seed);
-  m["tessera/frame"] = job.frame;
-  if (!from.key.empty()) m["tessera/job"] = from.key;
   const RenderSettings& r = job.render;
   if (!r.variant.empty()) m["tessera/variant"] = r.variant;
   if (r.clamp_direct > 0) m["tessera/clamp_direct"] = r.clamp_direct;
   if (r.clamp_indirect > 0) m["tessera/clamp_indirect"] = r.clamp_indirect;
   if (r.regularise > 0) m["tessera/regularise"] = r.regularise;
-  m["tessera/tile"] = fmt::format("{}x{}", job.tile.width, job.tile.height);
-  m["tessera/device"] = from.device;
-  m["tessera/seconds"] = static_cast<float>(from.seconds);
   if (from.dropped > 0) m["tessera/dropped"] = fmt::format("{} samples were not finite", from.dropped);
   if (frame.rounds > 0) {
     m["tessera/relmse"] = static_cast<float>(frame.error.mean);
@@ -165,10 +171,7 @@ void add_metadata(ExrImage& exr, const Job& job, const FrameImage& frame, const 
   }
 }
 
-}  // namespace
-
-ExrImage layered(const Job& job, const FrameImage& frame, const Provenance& from) {
-  Layers layers(job, frame.sums.region());
+void add_rendered(Layers& layers, const Job& job, const FrameImage& frame, const Provenance& from) {
   const Image samples = sum_of_halves(frame.sums, FilmLayout::count(Half::a));
   layers.add("", "RGB", frame.filtered, true);
   layers.add("A", coverage(frame, samples).plane(0), true);
@@ -181,12 +184,24 @@ ExrImage layered(const Job& job, const FrameImage& frame, const Provenance& from
   layers.add("error.Y", error_map(frame).plane(0), false);
   add_guides(layers, frame, from);
   for (const Channel& c : from.filter_inputs) add_input(layers, frame, c);
-  add_metadata(layers.exr(), job, frame, from, samples);
+  add_rendering(layers.exr(), job, frame, from, samples);
+}
+
+}  // namespace
+
+ExrImage layered(const Job& job, const FrameImage& frame, const Provenance& from) {
+  Layers layers(job);
+  if (job.given)
+    layers.add("", "RGB", frame.filtered, false);  // who gave the frame has the rest
+  else
+    add_rendered(layers, job, frame, from);
+  add_metadata(layers.exr(), job, frame, from);
   return std::move(layers).finished();
 }
 
 std::string verdict(const Job& job, const FrameImage& frame) {
   const std::string why = frame.stop ? std::string(to_string(*frame.stop)) : "in progress";
+  if (job.given) return frame.stop == StopReason::filtered ? why : why + ": not all tiles are filtered";
   if (frame.rounds == 0) return fmt::format("{}: no complete round, the image is the noisy one", why);
   std::string text = fmt::format("{}: relMSE {:.3e} estimated, {:.3e} upper bound (95%)", why,
                                  frame.error.mean, frame.error.upper(kTwoLooks));

@@ -23,7 +23,8 @@ struct Provenance {
 // Layers: R,G,B,A (filtered); noisy.*, variance.* (of the noisy mean); samples.Y; error.Y (relMSE of the
 // pixel's cell); and every AOV the film holds under its own name: means (in half, where they are colours),
 // and of those with squares the variance of the mean as name_variance.*; light groups under their names;
-// mattes as Cryptomatte. Metadata under tessera/.
+// mattes as Cryptomatte. Of a frame that was given R,G,B alone, to all of their bits. Metadata under
+// tessera/.
 ExrImage layered(const Job&, const FrameImage&, const Provenance&);
 
 // One sentence on what stopped the frame and what was achieved.

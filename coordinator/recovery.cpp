@@ -10,7 +10,7 @@ namespace {
 class Replay {
  public:
   Replay(RecoveredFrame& to, const LoadHistory& load) : to_(to), load_(load) {
-    expect(to_.frame.outstanding());
+    expect(to_.frame->outstanding());
   }
 
   bool operator()(LoggedEvent logged) {
@@ -35,28 +35,28 @@ class Replay {
 
   bool fold(const RenderTask& task, Image pixels) {
     Block block{task.samples, std::move(pixels)};
-    if (renders_.erase({task.region, task.samples}) == 0 || !to_.frame.fits(task, block)) return false;
-    to_.frame.fold(std::move(block));
+    if (renders_.erase({task.region, task.samples}) == 0 || !to_.frame->fits(task, block)) return false;
+    to_.frame->fold(std::move(block));
     return true;
   }
 
   bool stitch(const FilterTask& task, const Image& pixels) {
-    if (!to_.frame.fits(task, pixels)) return false;
-    to_.frame.stitch(task, pixels);
+    if (!to_.frame->fits(task, pixels)) return false;
+    to_.frame->stitch(task, pixels);
     return true;
   }
 
   bool take(const Remembered& event, const Image&) {
     if (!std::exchange(to_.awaits_history, false)) return false;
-    to_.frame.remember(event.history.empty() ? nullptr : load_(event.history));
+    to_.frame->remember(event.history.empty() ? nullptr : load_(event.history));
     return true;
   }
 
   bool take(const Looked& event, const Image&) {
-    if (!to_.frame.round_complete()) return false;
-    expect(to_.frame.look({event.seconds}));
+    if (!to_.frame->round_complete()) return false;
+    expect(to_.frame->look({event.seconds}));
     to_.seconds = event.seconds;
-    to_.errors.push_back(static_cast<float>(*to_.frame.progress(event.seconds).error));
+    to_.errors.push_back(static_cast<float>(*to_.frame->progress(event.seconds).error));
     return true;
   }
 
@@ -65,14 +65,14 @@ class Replay {
   std::set<std::pair<Region, SampleRange>> renders_;  // of this round, not folded yet
 };
 
-RecoveredFrame before_entries(const Job& job, const Journal& journal) {
+RecoveredFrame before_entries(const Job& job, const Journal& journal, const Planes& planes) {
   std::optional<Checkpoint> checkpoint = journal.checkpoint();
   if (!checkpoint) {
-    RecoveredFrame begun{.frame = Frame(job, true), .device_classes = {}, .errors = {}};
-    begun.frame.begin();
+    RecoveredFrame begun{.frame = make_frame(job, planes), .device_classes = {}, .errors = {}};
+    begun.frame->begin();
     return begun;
   }
-  return {.frame = Frame(job, std::move(checkpoint->frame)),
+  return {.frame = make_frame(job, std::move(checkpoint->frame), planes),
           .seconds = checkpoint->seconds,
           .dropped = checkpoint->dropped,
           .device_classes = std::move(checkpoint->device_classes),
@@ -81,8 +81,8 @@ RecoveredFrame before_entries(const Job& job, const Journal& journal) {
 
 }  // namespace
 
-RecoveredFrame recover(const Job& job, Journal& journal, const LoadHistory& load) {
-  RecoveredFrame frame = before_entries(job, journal);
+RecoveredFrame recover(const Job& job, Journal& journal, const LoadHistory& load, const Planes& planes) {
+  RecoveredFrame frame = before_entries(job, journal, planes);
   journal.replay(
       [replay = Replay(frame, load)](LoggedEvent logged) mutable { return replay(std::move(logged)); });
   return frame;

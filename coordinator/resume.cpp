@@ -20,6 +20,7 @@ std::string image_key(const Job& job, std::string_view before) {
       r.clamp_indirect, r.regularise, r.aovs.bits(), region.x0, region.y0, region.x1, region.y1, job.frame);
   text += fmt::format(" {} {} {:a} {} {} {:a} {}", r.variant.size(), r.variant, a.relmse.value_or(-1),
                       a.first_samples, a.max_samples, a.max_seconds.value_or(-1), job.filter.name);
+  if (job.given) text += " " + job.given->planes;
   for (const auto& [name, value] : job.filter.parameters) text += fmt::format(" {}={:a}", name, value);
   return sha256(text);
 }

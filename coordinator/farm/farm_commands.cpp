@@ -21,13 +21,17 @@ std::vector<FrameRecord> waiting_frames(const Submission& s) {
   return frames;
 }
 
-// What the job needs besides its submission. Throws if some of it is not there.
+// What the job needs besides its submission: the planes of frames that are given, or its scene. Throws if
+// some of it is not there.
 std::vector<Digest> blobs_of(BlobStore& blobs, const Submission& s) {
-  const Digest& bundle = s.job.scene.bundle;
-  if (bundle.empty()) throw InputError("job: scene.bundle", "is missing", "a job whose scene was uploaded");
-  std::vector<Digest> needed{bundle};
-  if (blobs.has(bundle))
-    for (const auto& file : parse_bundle(blobs.read(bundle)).files) needed.push_back(file.digest);
+  std::vector<Digest> needed;
+  for (const GivenFrame& frame : s.given) needed.push_back(frame.given.planes);
+  if (s.given.empty()) {
+    const Digest& bundle = needed.emplace_back(s.job.scene.bundle);
+    if (bundle.empty()) throw InputError("job: scene.bundle", "is missing", "a job whose scene was uploaded");
+    if (blobs.has(bundle))
+      for (const auto& file : parse_bundle(blobs.read(bundle)).files) needed.push_back(file.digest);
+  }
   for (const Digest& blob : needed)
     if (!blobs.has(blob))
       throw InputError("blob " + blob, "is not here", "what is uploaded before it is needed");
@@ -50,7 +54,7 @@ FrameSummary summary_of(const FrameRecord& record, const Submission& s) {
 }
 
 void add_progress(FrameSummary& f, const Coordinator::FrameNow& now) {
-  const Frame& frame = now.state->frame;
+  const Frame& frame = *now.state->frame;
   const Progress p = frame.progress(now.seconds);
   f.state = FrameState::active;
   f.round = p.round;
@@ -74,8 +78,7 @@ void Farm::submit(const JobName& name, const Digest& digest, const std::string& 
   for (const JobName& before : s.after)
     if (!queue_.find(before) && !store_.job(before))
       throw InputError("job: after", "there is no job " + before, "jobs that were submitted before");
-  const double bytes =
-      Frame::bytes(s.job) * static_cast<double>(std::min<std::size_t>(s.frames.size(), Shot{}.in_flight));
+  const double bytes = bytes_of(s);
   const double most = std::min(options_.memory, static_cast<double>(s.limits.bytes.value_or(UINT64_MAX)));
   if (bytes > most)
     throw Error(
@@ -173,7 +176,7 @@ JobSummary Farm::summary(const JobRecord& r) {
   if (!job.shot) return s;
   double under_way = static_cast<double>(job.writing);
   for (const auto& [i, frame] : coordinator_.frames(*job.shot)) {  // none, if it is over
-    const Progress p = frame.state->frame.progress(frame.seconds);
+    const Progress p = frame.state->frame->progress(frame.seconds);
     under_way += p.fraction;
     s.pixel_samples += static_cast<std::uint64_t>(p.samples_done);
   }

@@ -61,7 +61,7 @@ JobFigures Farm::figures(const OpenJob& job) const {
             frame.state == FrameState::failed;
   if (job.shot)
     for (const auto& [i, frame] : coordinator_.frames(*job.shot)) {
-      const Progress p = frame.state->frame.progress(frame.seconds);
+      const Progress p = frame.state->frame->progress(frame.seconds);
       done += p.fraction;
       if (p.error) f.error = std::max(f.error.value_or(0), *p.error);
     }

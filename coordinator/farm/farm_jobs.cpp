@@ -26,12 +26,6 @@ std::vector<FrameRecord> all_frames(Store& store, std::uint64_t job) {
   }
 }
 
-// Two frames of a shot are worked on at a time.
-double bytes_of(const Submission& s) {
-  const std::size_t frames = std::min<std::size_t>(s.frames.size(), Shot{}.in_flight);
-  return Frame::bytes(s.job) * static_cast<double>(frames);
-}
-
 // The names of blobs that a sentence holds.
 std::vector<Digest> digests_in(std::string_view text) {
   constexpr std::string_view kDigits = "0123456789abcdef";
@@ -245,7 +239,7 @@ void Farm::keep_limits() {
     const JobLimits& limits = job.submission.limits;
     std::uint64_t samples = job.samples_before;
     for (const auto& [i, frame] : coordinator_.frames(*job.shot))
-      samples += static_cast<std::uint64_t>(frame.state->frame.progress(0).samples_done);
+      samples += static_cast<std::uint64_t>(frame.state->frame->progress(0).samples_done);
     if (limits.seconds && seconds_of(job) > *limits.seconds)
       job.limit_reached = fmt::format("its limit of {:.0f} s is reached", *limits.seconds);
     else if (limits.pixel_samples && samples > *limits.pixel_samples)

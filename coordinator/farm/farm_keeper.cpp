@@ -9,13 +9,11 @@
 
 #include "coordinator/recovery.h"
 #include "coordinator/store/kept_image.h"
+#include "core/exr.h"
+#include "core/filter/given.h"
 
 namespace tessera {
-namespace {
-
-double bytes_of(const Frame& frame) { return Frame::bytes(frame.job()); }
-
-}  // namespace
+namespace {}  // namespace
 
 FarmKeeper::FarmKeeper(Store& store, std::uint64_t number, std::vector<std::size_t> places,
                        std::vector<std::string> identities, std::vector<FrameRecord>& frames,
@@ -28,8 +26,14 @@ FarmKeeper::FarmKeeper(Store& store, std::uint64_t number, std::vector<std::size
       trouble_(std::move(trouble)) {}
 
 Keeper::Begun FarmKeeper::begin(std::size_t frame, const Job& job) {
+  Planes planes;
   try {
-    return recovered(frame, job);
+    planes = planes_of(job);
+  } catch (const Error& e) {
+    return {{make_frame(job)}, {}, e.what()};
+  }
+  try {
+    return recovered(frame, job, planes);
   } catch (const Error& e) {
     spdlog::error("store: frame {} of job {} begins anew: {}", job.frame, number_, e.what());
   }
@@ -37,17 +41,30 @@ Keeper::Begun FarmKeeper::begin(std::size_t frame, const Job& job) {
   try {
     store_.drop_journal(number_, place(frame));
     open_.erase(frame);
-    return recovered(frame, job);
+    return recovered(frame, job, planes);
   } catch (const Error& e) {
     trouble_(e.what());
   }
   open_.erase(frame);
-  Begun begun{{Frame(job, true)}, {}};
-  begun.work = begun.frame.frame.begin();
+  Begun begun{{make_frame(job, planes)}, {}};
+  begun.work = begun.frame.frame->begin();
   return begun;
 }
 
-Keeper::Begun FarmKeeper::recovered(std::size_t frame, const Job& job) {
+// Of a frame that is given; else null. They come from strangers, and may be gone or damaged by now.
+Planes FarmKeeper::planes_of(const Job& job) {
+  if (!job.given) return nullptr;
+  BlobStore& blobs = store_.blobs();
+  const Digest& blob = job.given->planes;
+  const std::string name = "blob " + blob;
+  if (!blobs.has(blob)) throw InputError(name, "is not here any more", "what is uploaded again");
+  blobs.check(blob);
+  const std::int64_t values = job.region().area() * filter_shape(job).taken;
+  const ExrImage file = read_exr(blobs.path(blob), values);
+  return std::make_shared<const Image>(given_planes(job.filter, file, job.region(), name));
+}
+
+Keeper::Begun FarmKeeper::recovered(std::size_t frame, const Job& job, const Planes& planes) {
   FrameRecord& record = frames_[places_[frame]];
   if (record.state != FrameState::active) {
     record.state = FrameState::active;  // first: a journal without it is taken for a stale one
@@ -58,11 +75,12 @@ Keeper::Begun FarmKeeper::recovered(std::size_t frame, const Job& job) {
           .first->second;
   if (!kept.journal.found().thrown_away.empty())
     spdlog::warn("store: frame {} of job {}: {}", job.frame, number_, kept.journal.found().thrown_away);
-  RecoveredFrame r = recover(job, kept.journal, [this](const Digest& blob) {
+  const auto load = [this](const Digest& blob) {
     return std::make_shared<const Image>(get_image(store_.blobs(), blob));
-  });
+  };
+  RecoveredFrame r = recover(job, kept.journal, load, planes);
   std::vector<Work> work;
-  if (!r.frame.round_complete()) work = r.frame.outstanding();
+  if (!r.frame->round_complete()) work = r.frame->outstanding();
   return {{std::move(r.frame), r.seconds, r.dropped, std::move(r.device_classes), std::move(r.errors)},
           std::move(work)};
 }
@@ -91,10 +109,10 @@ void FarmKeeper::looked(std::size_t frame, const FrameUnderWay& state, double se
   write(frame, [&](Journal& journal) { journal.append(Looked{seconds}); });
   const auto found = open_.find(frame);
   if (found == open_.end()) return;
-  if (!found->second.behind && !found->second.journal.checkpoint_due(bytes_of(state.frame))) return;
+  if (!found->second.behind && !found->second.journal.checkpoint_due(frame_bytes(state.frame->job()))) return;
   try {
     store_.checkpoint(number_, place(frame), found->second.journal,
-                      {state.frame.snapshot(), seconds, state.dropped, state.device_classes, state.errors});
+                      {state.frame->snapshot(), seconds, state.dropped, state.device_classes, state.errors});
     found->second.behind = false;
   } catch (const Error& e) {
     found->second.behind = true;

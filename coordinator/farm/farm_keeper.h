@@ -41,7 +41,8 @@ class FarmKeeper : public Keeper {
   };
 
   std::uint32_t place(std::size_t frame) const { return static_cast<std::uint32_t>(places_[frame]); }
-  Begun recovered(std::size_t frame, const Job&);
+  Planes planes_of(const Job&);
+  Begun recovered(std::size_t frame, const Job&, const Planes&);
   template <class Work>
   void write(std::size_t frame, const Work& work);
 

@@ -21,10 +21,11 @@ void Farm::draw_preview(const Previews::Key& which, Instant now) {
   const auto frames = coordinator_.frames(*job.shot);  // none, if it is over
   const auto frame = frames.find(i);
   if (frame == frames.end()) return;
-  const Progress p = frame->second.state->frame.progress(0);
-  if (p.samples_done == 0 || !previews_.begin(which, {p.samples_done, p.round, p.tiles_done}, now)) return;
+  const Progress p = frame->second.state->frame->progress(0);
+  const bool begun = p.samples_done > 0 || p.tiles_done > 0;
+  if (!begun || !previews_.begin(which, {p.samples_done, p.round, p.tiles_done}, now)) return;
   const Instant began = clock_now();
-  clerk_.draw({name, place, frame->second.state->frame.preview(), job.submission.exposure});
+  clerk_.draw({name, place, frame->second.state->frame->preview(), job.submission.exposure});
   previews_.took(which, std::chrono::duration_cast<Millis>(clock_now() - began));
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "coordinator/farm/open_job.h"
 
+#include <algorithm>
+
 namespace tessera {
 namespace {
 
@@ -8,7 +10,18 @@ bool has_ended(const FrameRecord& f) {
   return f.state == FrameState::completed || f.state == FrameState::limited || f.state == FrameState::failed;
 }
 
+std::size_t largest_frame(const Submission& s) {
+  const auto area = [](const GivenFrame& frame) { return frame.region.area(); };
+  const auto largest = std::ranges::max_element(s.given, {}, area);
+  return largest == s.given.end() ? 0 : static_cast<std::size_t>(largest - s.given.begin());
+}
+
 }  // namespace
+
+double bytes_of(const Submission& s) {
+  const std::size_t frames = std::min<std::size_t>(s.frames.size(), Shot{}.in_flight);
+  return frame_bytes(job_of(s, largest_frame(s))) * static_cast<double>(frames);
+}
 
 // A frame whose history is gone takes those along that lead up to it.
 StillToDo still_to_do(const std::vector<Job>& jobs, const std::vector<FrameRecord>& frames) {

@@ -16,6 +16,9 @@ namespace tessera {
 
 class FarmKeeper;
 
+// Of memory, while its frames are worked on: as many as are at the same time, each as large as the largest.
+double bytes_of(const Submission&);
+
 struct OpenJob {
   JobRecord record;
   Submission submission;

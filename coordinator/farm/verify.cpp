@@ -28,10 +28,16 @@ void Farm::verify(const JobName& name, int tasks, std::uint64_t seed) {
     throw Error(ExitCode::bad_usage,
                 fmt::format("{} tasks cannot be done again; accepted: 1 to {}", tasks, kMaxChecks));
   const JobRecord job = record(name);
+  const Submission submission = submission_of(job);
+  if (!submission.given.empty())
+    throw Error(ExitCode::bad_usage,
+                "job " + name +
+                    " filters what it was given, and only what is rendered is done again:"
+                    " its frames can be handed in again, and compared");
   const std::uint64_t count = store_.accepted_count(job.number);
   if (count == 0)
     throw Error(ExitCode::bad_usage, "no task of job " + name + " is on record yet; try again later");
-  const std::vector<Job> frames = jobs_of(submission_of(job));
+  const std::vector<Job> frames = jobs_of(submission);
   std::mt19937_64 random(seed);
   int asked = 0;
   for (int tries = 0; asked < tasks && tries < 16 * tasks; ++tries) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "coordinator/frame.h"
+#include "coordinator/rendered_frame.h"
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ Job small_job() {
 // Works off a frame in an order drawn by `seed`; some results come twice.
 FrameImage worked_off(const Job& job, unsigned seed, float noise = 0.6f) {
   std::mt19937 random(seed);
-  Frame frame(job);
+  RenderedFrame frame(job);
   std::deque<Work> todo;
   const auto add = [&](const std::vector<Work>& work) { todo.insert(todo.end(), work.begin(), work.end()); };
   add(frame.begin());
@@ -97,7 +97,7 @@ TEST(Frame, TheEstimatedErrorIsThatOfTheImageWithinItsBound) {
 }
 
 TEST(Frame, StoppedBeforeItsFirstLookItDeliversTheNoisyImageOfWhatThereIs) {
-  Frame frame(small_job());
+  RenderedFrame frame(small_job());
   const std::vector<Work> work = frame.begin();
   frame.fold(rendered(std::get<RenderTask>(work.front()), frame.layout(), 0.6f));
   frame.stop(StopReason::interrupted);
@@ -110,7 +110,7 @@ TEST(Frame, StoppedBeforeItsFirstLookItDeliversTheNoisyImageOfWhatThereIs) {
 
 TEST(Frame, PreviewsAreNoisyThenTheLastLooksWithTheTilesOfThisRound) {
   const Job job = small_job();
-  Frame frame(job);
+  RenderedFrame frame(job);
   std::vector<Work> work = frame.begin();
   frame.fold(rendered(std::get<RenderTask>(work.front()), frame.layout(), 0.6f));
   EXPECT_GT(frame.preview().at(0, 0, 0), 0.0f);
@@ -140,7 +140,7 @@ TEST(Frame, PreviewsAreNoisyThenTheLastLooksWithTheTilesOfThisRound) {
 }
 
 TEST(Frame, AnAnswerOfAnotherShapeDoesNotFit) {
-  Frame frame(small_job());
+  RenderedFrame frame(small_job());
   const RenderTask task = std::get<RenderTask>(frame.begin().front());
   Block block = rendered(task, frame.layout(), 0.6f);
   EXPECT_TRUE(frame.fits(task, block));

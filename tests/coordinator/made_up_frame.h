@@ -4,8 +4,13 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
 
-#include "coordinator/frame.h"
+#include "coordinator/rendered_frame.h"
+#include "core/filter/filter.h"
+#include "core/sha256.h"
 
 namespace tessera {
 
@@ -45,9 +50,46 @@ inline Block rendered(const RenderTask& task, const FilmLayout& layout, float no
   return block;
 }
 
+// A frame that is given, whose corner is not the picture's, and its planes, each pixel's another one.
+inline Job given_job(const std::string& filter) {
+  Job job;
+  job.filter = parse_filter(filter);
+  job.given = Given{.planes = sha256("planes"), .display = {0, 0, 90, 60}, .goes_on = true};
+  job.crop = Region{-5, -3, 95, 60};
+  job.tile = {32, 16};
+  return job;
+}
+inline Planes given_planes_of(const Job& job) {
+  Image planes(job.region(), filter_shape(job).taken);
+  const std::vector<Channel> channels = job.filter.inputs();
+  for (std::size_t k = 0; k < channels.size(); ++k)
+    for (std::size_t i = 0; i < planes.plane(0).size(); ++i)
+      planes.plane(static_cast<int>(k))[i] =
+          channels[k].aov == Aov::motion ? 1.0f : uniform((std::uint64_t(k) << 32) + i);
+  return std::make_shared<const Image>(std::move(planes));
+}
+
+// A made-up filter of those: what it keeps is the next planes, half of what was there before where that is
+// known.
+inline Filtered filtered_given(const FilterTask& task, const FilterInput& input, const Job& job) {
+  Filtered out = planes_of(cropped(input.film, task.tile.inner), 0, filter_shape(job).answer);
+  if (input.history.empty()) return out;
+  const Region& box = input.history.region();
+  for (int p = 3; p < out.planes(); ++p)
+    for (int y = out.region().y0; y < out.region().y1; ++y)
+      for (int x = out.region().x0; x < out.region().x1; ++x)
+        if (box.contains(x, y)) {
+          float& kept = out.at(p, x, y);
+          kept += 0.5f * (input.history.at(p - 3, x, y) - kept);
+          out.at((p - 3) % 3, x, y) = kept;
+        }
+  return out;
+}
+
 // A made-up filter: none at all; of a temporal one, half of what was there before, which is all it keeps.
 inline Filtered filtered(const FilterTask& task, const FilterInput& input, const Job& job,
                          const FilmLayout& layout) {
+  if (job.given) return filtered_given(task, input, job);
   Filtered out(task.tile.inner, filtered_planes(job.filter));
   const Image inner = cropped(input.film, task.tile.inner);
   int plane = 0;

@@ -21,8 +21,13 @@ constexpr float kNoise = 0.6f;
 // journal.
 class Forgetful {
  public:
-  Forgetful(const Job& job, std::optional<Image> history, int every, bool checkpoints)
-      : job_(job), history_(std::move(history)), every_(every), checkpoints_(checkpoints) {}
+  Forgetful(const Job& job, std::optional<Image> history, int every, bool checkpoints,
+            Planes planes = nullptr)
+      : job_(job),
+        planes_(std::move(planes)),
+        history_(std::move(history)),
+        every_(every),
+        checkpoints_(checkpoints) {}
 
   FrameImage work_off(unsigned seed) {
     std::mt19937 random(seed);
@@ -53,11 +58,12 @@ class Forgetful {
  private:
   void rise() {
     journal_.emplace(folder_.path() / "journal", "a frame");
-    RecoveredFrame recovered = recover(job_, *journal_, [&](const Digest& digest) {
+    const auto load = [&](const Digest& digest) {
       EXPECT_EQ(digest, sha256("history"));
       return std::make_shared<const Image>(*history_);
-    });
-    frame_.emplace(std::move(recovered.frame));
+    };
+    RecoveredFrame recovered = recover(job_, *journal_, load, planes_);
+    frame_ = std::move(recovered.frame);
     awaits_ = recovered.awaits_history;
     EXPECT_EQ(recovered.dropped, dropped_);
     EXPECT_EQ(recovered.seconds, seconds_);
@@ -79,12 +85,12 @@ class Forgetful {
     Accepted accepted{work, 1, {}, "worker", "class", 0.5, 1};
     ++dropped_;
     if (const auto* render = std::get_if<RenderTask>(&work)) {
-      Block block = rendered(*render, frame_->layout(), kNoise);
+      Block block = rendered(*render, layout_, kNoise);
       journal_->append(accepted, block.sums);
       add(frame_->fold(std::move(block)));
     } else {
       const FilterTask& task = std::get<FilterTask>(work);
-      const Filtered planes = filtered(task, frame_->filter_input(task), job_, frame_->layout());
+      const Filtered planes = filtered(task, frame_->filter_input(task), job_, layout_);
       journal_->append(accepted, planes);
       frame_->stitch(task, planes);
     }
@@ -105,12 +111,14 @@ class Forgetful {
   }
 
   Job job_;
+  Planes planes_;
+  FilmLayout layout_{film_aovs(job_)};
   std::optional<Image> history_;
   int every_;
   bool checkpoints_;
   Folder folder_;
   std::optional<Journal> journal_;
-  std::optional<Frame> frame_;
+  std::unique_ptr<Frame> frame_;
   std::deque<Work> todo_;
   bool awaits_ = true;
   double seconds_ = 0;
@@ -186,10 +194,23 @@ TEST(Recovery, AFrameThatGoesByTheOneBeforeIsGoneOnWithWhetherItHadItsHistoryOrN
       expect_same(Forgetful(job, first.kept(), every, checkpoints).work_off(10 + every), undisturbed);
 }
 
+TEST(Recovery, AFrameThatIsGivenIsGoneOnWithWhetherItHadItsHistoryOrNot) {
+  const Job job = given_job("svgf:history=on");
+  const Planes planes = given_planes_of(job);
+  Forgetful first(job, {}, 2, false, planes);
+  const FrameImage alone = Forgetful(job, {}, 0, false, planes).work_off(1);
+  expect_same(first.work_off(2), alone);
+  EXPECT_GT(first.kills(), 3);
+  const FrameImage undisturbed = Forgetful(job, first.kept(), 0, false, planes).work_off(3);
+  EXPECT_FALSE(same_bits(alone.filtered, undisturbed.filtered)) << "the history changes nothing";
+  for (const int every : {1, 3})
+    expect_same(Forgetful(job, first.kept(), every, false, planes).work_off(10 + every), undisturbed);
+}
+
 TEST(Recovery, EntriesThatDoNotFitTheFrameAreCutOff) {
   Folder folder;
   const Job job = small_job();
-  Frame frame(job);
+  RenderedFrame frame(job);
   const RenderTask task = std::get<RenderTask>(frame.begin().front());
   const Block block = rendered(task, frame.layout(), kNoise);
   Journal journal(folder.path() / "journal", "a frame");
@@ -203,7 +224,7 @@ TEST(Recovery, EntriesThatDoNotFitTheFrameAreCutOff) {
   journal.append(good, block.sums);
   const RecoveredFrame recovered = recover(job, journal, {});
   EXPECT_EQ(journal.bytes(), end);
-  EXPECT_EQ(recovered.frame.outstanding().size() + 1, Frame(job).begin().size());
+  EXPECT_EQ(recovered.frame->outstanding().size() + 1, RenderedFrame(job).begin().size());
 }
 
 TEST(Recovery, ALookBeforeTheRoundIsCompleteIsCutOff) {
@@ -217,7 +238,7 @@ TEST(Recovery, ALookBeforeTheRoundIsCompleteIsCutOff) {
 
 // The snapshot of a frame in its third round.
 FrameSnapshot snapshot_of(const Job& job) {
-  Frame frame(job);
+  RenderedFrame frame(job);
   std::deque<Work> todo;
   const auto add = [&](const std::vector<Work>& work) { todo.insert(todo.end(), work.begin(), work.end()); };
   add(frame.begin());
@@ -238,11 +259,11 @@ FrameSnapshot snapshot_of(const Job& job) {
 TEST(Snapshot, OfAnotherJobOrDamagedIsRefused) {
   const Job job = small_job();
   const FrameSnapshot good = snapshot_of(job);
-  EXPECT_NO_THROW(Frame(job, good));
+  EXPECT_NO_THROW(RenderedFrame(job, good));
   const auto refused = [&](auto change) {
     FrameSnapshot s = good;
     change(s);
-    EXPECT_THROW(Frame(job, s), InputError);
+    EXPECT_THROW(RenderedFrame(job, s), InputError);
   };
   refused([](FrameSnapshot& s) { s.round = 0; });
   refused([](FrameSnapshot& s) { s.round = 1; });
@@ -260,13 +281,13 @@ TEST(Snapshot, OfAnotherJobOrDamagedIsRefused) {
   refused([](FrameSnapshot& s) { s.stitched = Image(grown(s.stitched.region(), 1), s.stitched.planes()); });
   Job other = job;
   other.render.size = {151, 90};
-  EXPECT_THROW(Frame(other, good), InputError);
+  EXPECT_THROW(RenderedFrame(other, good), InputError);
 }
 
 TEST(Snapshot, SaysTheSameOfAFrameMadeFromIt) {
   const Job job = small_job();
   const FrameSnapshot good = snapshot_of(job);
-  const Frame frame(job, good);
+  const RenderedFrame frame(job, good);
   const FrameSnapshot again = frame.snapshot();
   EXPECT_EQ(again.round, good.round);
   EXPECT_EQ(again.have, good.have);

@@ -47,6 +47,30 @@ TEST(Continues, OnlyTheNextFrameOfTheSameViewWithATemporalFilter) {
   EXPECT_TRUE(with([](Job& j) { j.render.seed = 9; }));
 }
 
+TEST(Continues, AFrameThatIsGivenWhereItIsSaidToAndBothAreOfTheSamePixels) {
+  auto two = frames({5, 4});
+  for (Job& job : two) {
+    job.given = Given{.planes = sha256("a"), .display = {0, 0, 8, 8}, .goes_on = true};
+    job.crop = Region{0, 0, 8, 8};
+  }
+  EXPECT_TRUE(continues(two[0], two[1])) << "backwards in time";
+  const auto with = [&](auto&& change) {
+    Job next = two[1];
+    change(next);
+    return continues(two[0], next);
+  };
+  EXPECT_FALSE(with([](Job& j) { j.given->goes_on = false; }));
+  EXPECT_FALSE(with([](Job& j) { j.crop = Region{0, 0, 8, 7}; }));
+  EXPECT_FALSE(with([](Job& j) { j.filter = parse_filter("svgf"); }));
+  EXPECT_FALSE(with([](Job& j) { j.given.reset(); }));
+  const auto keys = image_keys(two);
+  EXPECT_NE(keys[0], keys[1]);
+  two[0].given->planes = sha256("b");
+  EXPECT_NE(image_keys(two)[1], keys[1]) << "what comes before it is another frame";
+  two[1].given->goes_on = false;
+  EXPECT_EQ(image_key(two[1], ""), image_keys(two)[1]);
+}
+
 TEST(ShotPlan, TwoFramesAreUnderWayAndTheSecondWaitsForWhatTheFirstKeeps) {
   ShotPlan plan({frames({1, 2, 3})});
   const auto first = plan.start(), second = plan.start();
