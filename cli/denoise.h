@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "cli/link_options.h"
+
 namespace CLI {
 class App;
 }
@@ -27,6 +29,7 @@ struct DenoiseOptions {
   std::string tile_size;            // empty: as large as `memory` allows
   std::uint64_t memory = 1024;      // MiB that filtering a tile may take
   std::string device;
+  LinkOptions farm{.coordinator = "", .keys = {}};  // no coordinator: on this machine
   std::string compression = "zip";
   double exposure = 0;  // of the preview
   bool quiet = false;
@@ -34,8 +37,8 @@ struct DenoiseOptions {
 
 void describe(CLI::App&, DenoiseOptions&);
 
-// Filters every frame, in ascending order; one that fails does not keep the others from being written.
-// Returns the exit code.
+// Filters every frame, in ascending order, on this machine or through a farm, to the same bits; one that
+// fails does not keep the others from being written. Returns the exit code.
 int denoise(const DenoiseOptions&, std::ostream& out, std::ostream& problems);
 
 }  // namespace tessera

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/denoise.h"
+#include "cli/farm_link.h"
 #include "cli/picture_options.h"
 
 namespace tessera {
@@ -28,14 +29,25 @@ void add_source_options(CLI::App& app, DenoiseOptions& o) {
   app.add_option("--samples", o.samples, "Per pixel, where the file does not say");
 }
 
+// Where a farm is set for all commands, this one still works here unless it is told to: its files are here,
+// and scripts that filter a picture are not to depend on who else is at work.
+void add_farm_options(CLI::App& app, DenoiseOptions& o) {
+  add_link_options(app, o.farm);
+  app.get_option("--coordinator")
+      ->envname("")
+      ->description("Through a farm: HOST:PORT of its coordinator, or ipc://PATH [on this machine]");
+}
+
 void add_tile_options(CLI::App& app, DenoiseOptions& o) {
-  app.add_option("--tile-size", o.tile_size,
-                 "N or WxH pixels; does not change the image [as --memory allows]")
+  app.add_option(
+         "--tile-size", o.tile_size,
+         "N or WxH pixels; does not change the image [as --memory allows; through a farm 256 at most]")
       ->envname("TESSERA_TILE_SIZE");
   app.add_option("--memory", o.memory, "MiB that a tile may take; the image itself is held besides")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 24))
       ->capture_default_str();
-  app.add_option("--device", o.device, "OpenCL device: number or part of its name [first CPU]")
+  app.add_option("--device", o.device,
+                 "OpenCL device of this machine: number or part of its name [first CPU]")
       ->envname("TESSERA_DEVICE");
 }
 
@@ -54,6 +66,7 @@ void describe(CLI::App& app, DenoiseOptions& o) {
       ->capture_default_str();
   add_source_options(app, o);
   add_tile_options(app, o);
+  add_farm_options(app, o);
   add_picture_options(app, o.compression, o.exposure);
   app.add_flag("--quiet", o.quiet, "Only problems");
 }

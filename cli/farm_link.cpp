@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <random>
 
+#include "core/submission.h"
 #include "proto/clock.h"
 
 namespace tessera {
@@ -29,7 +31,8 @@ void add_link_options(CLI::App& app, LinkOptions& o) {
 
 std::string own_id(const std::string& word) {
   std::string id;
-  for (const char c : word.substr(0, 40)) id += c > ' ' && c < 0x7f ? c : '_';
+  for (const char c : word.substr(0, 40)) id += is_job_name(std::string{'a', c}) ? c : '_';
+  if (!id.empty() && id.front() == '.') id.front() = '_';
   std::random_device chance;
   return fmt::format("{}-{:08x}{:08x}", id, chance(), chance());
 }
@@ -41,6 +44,15 @@ std::unique_ptr<ZmqDealer> road_to(ZmqContext& context, const LinkOptions& o, co
                                             road, read_client_keys(o.keys));
   dealer->await(clock_now() + kUsual);
   return dealer;
+}
+
+FarmClient::Progress upload_bar(bool quiet) {
+  if (quiet || isatty(STDERR_FILENO) == 0) return {};
+  return [](std::uint64_t done, std::uint64_t all) {
+    fmt::print(stderr, "\rupload {:>5.1f} %{}",
+               all ? 100.0 * static_cast<double>(done) / static_cast<double>(all) : 100.0,
+               done == all ? "\n" : "");
+  };
 }
 
 FarmLink::FarmLink(const LinkOptions& o)

@@ -7,18 +7,12 @@
 #include <memory>
 #include <string>
 
-#include "cli/endpoint.h"
 #include "cli/key_options.h"
+#include "cli/link_options.h"
 #include "proto/client.h"
 #include "proto/zmq_transport.h"
 
 namespace tessera {
-
-struct LinkOptions {
-  std::string coordinator{kFarmAddress};
-  double timeout = 30;  // seconds
-  KeyFiles keys;
-};
 
 // --coordinator, --timeout, --key, --server-key.
 void add_link_options(CLI::App&, LinkOptions&);
@@ -45,7 +39,11 @@ class FarmLink {
 // A road to the coordinator of those options, under that id.
 std::unique_ptr<ZmqDealer> road_to(ZmqContext&, const LinkOptions&, const std::string& id);
 
-// A name that no other peer has: a word for people, and chance.
+// A name that no other peer or job has: a word for people, of which characters that names may not have become
+// '_', and chance.
 std::string own_id(const std::string& word);
+
+// How far an upload is, on a terminal.
+FarmClient::Progress upload_bar(bool quiet);
 
 }  // namespace tessera

@@ -72,19 +72,25 @@ class Fetch {
 
   // True if nothing more is to come of it.
   bool take(const FrameSummary& frame) {
-    if (frame.state == FrameState::failed) return true;
-    if (frame.image.empty()) {
+    const bool failed = frame.state == FrameState::failed;
+    if (!failed && frame.image.empty()) {
       bring_growing(frame);
       return false;
     }
+    if (!taken_.insert(frame.frame).second) return true;
     limited_ = limited_ || frame.state == FrameState::limited;
     const bool wanted = wanted_.empty() || wanted_.contains(frame.frame);
-    if (what_.output.empty() || !wanted) return true;
-    const fs::path file = file_of_frame(frame.frame);
+    fs::path file;
+    if (!failed && wanted && !what_.output.empty()) bring_all(frame, file = file_of_frame(frame.frame));
+    if (what_.told) what_.told(frame, file);
+    return true;
+  }
+
+  void bring_all(const FrameSummary& frame, const fs::path& file) {
     bring(frame.image, file);
+    if (what_.told) return;
     bring(frame.preview, fs::path(file).replace_extension(".png"));
     if (!what_.quiet) fmt::print(stderr, "{}{}\n", line_end(), file.string());
-    return true;
   }
 
   fs::path file_of_frame(int frame) const {
@@ -125,7 +131,7 @@ class Fetch {
 
   FarmLink& farm_;
   const Fetching& what_;
-  std::set<int> wanted_;
+  std::set<int> wanted_, taken_;
   std::uint32_t first_ = 0;  // all frames before are here, or will not come
   bool limited_ = false;
   std::string last_;

@@ -89,7 +89,7 @@ std::vector<NoisyFiles::Guide> NoisyFiles::guides_of(const DenoiseOptions& o) {
 
 NoisyFrame NoisyFiles::read(std::optional<int> number, bool backwards) const {
   const auto named = [&](const fs::path& p) { return number && is_pattern(p) ? file_of(p, *number) : p; };
-  NoisyFrame frame{named(options_.input), named(options_.output), {}, {}, {}};
+  NoisyFrame frame{.in = named(options_.input), .out = named(options_.output)};
   require_other_file(frame.in, frame.out);
   frame.picture = read_exr(frame.in);
   Sources sources{&frame.picture, {}, options_.samples};
@@ -98,10 +98,17 @@ NoisyFrame NoisyFiles::read(std::optional<int> number, bool backwards) const {
   sources.backwards = backwards;
   for (const Guide& g : guides_) sources.separate.emplace(g.layer, read_exr(named(g.file)));
   frame.gathered = gather(plan_, sources, frame.in.string());
-  SceneFacts facts = facts_of(plan_, frame.gathered.input, sources);
-  facts.frame = number ? *number : number_in(frame.picture);
-  frame.plan = resolved(plan_, facts);
+  frame.facts = facts_of(plan_, frame.gathered.input, sources);
+  frame.facts.frame = number ? *number : number_in(frame.picture);
+  frame.plan = resolved(plan_, frame.facts);
   return frame;
+}
+
+void NoisyFiles::read_again(NoisyFrame& frame, const Region& before) const {
+  frame.picture = read_exr(frame.in);
+  if (frame.region() != before)
+    throw InputError(frame.in.string(), "has another size than it had",
+                     "files that stay as they are while they are filtered");
 }
 
 void NoisyFiles::write(const NoisyFrame& frame, const Image& rgb) const {

@@ -17,7 +17,8 @@ struct NoisyFrame {
   std::filesystem::path in, out;
   ExrImage picture;
   Gathered gathered;
-  FilterPlan plan;  // resolved
+  SceneFacts facts;
+  FilterPlan plan;  // resolved with these
 
   const Region& region() const { return picture.pixels.region(); }
 };
@@ -30,6 +31,9 @@ class NoisyFiles {
   const FilterPlan& plan() const { return plan_; }
   // `frame` replaces the places for numbers; none: there are none. A single image needs no motion.
   NoisyFrame read(std::optional<int> frame, bool backwards = false) const;
+  // The picture of a frame that was read, and forgotten since. Throws InputError unless it covers the same
+  // pixels as before.
+  void read_again(NoisyFrame&, const Region& before) const;
   // The picture with its R, G and B replaced, and a preview.
   void write(const NoisyFrame&, const Image& rgb) const;
 

@@ -2,7 +2,6 @@
 // tessera submit: a scene and what is to be made of it, handed in to a farm.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <memory>
@@ -65,15 +64,6 @@ std::vector<BlobSource> blobs_of(const BundledScene& bundled, const std::string&
   blobs.push_back(blob_of(to_text(bundled.bundle)));
   blobs.push_back(blob_of(submission));
   return blobs;
-}
-
-FarmClient::Progress upload_bar(bool quiet) {
-  if (quiet || isatty(STDERR_FILENO) == 0) return {};
-  return [](std::uint64_t done, std::uint64_t all) {
-    fmt::print(stderr, "\rupload {:>5.1f} %{}",
-               all ? 100.0 * static_cast<double>(done) / static_cast<double>(all) : 100.0,
-               done == all ? "\n" : "");
-  };
 }
 
 int submit(SubmitCommand& c) {

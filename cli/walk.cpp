@@ -50,30 +50,28 @@ Image filtered(Device& device, const FilterPlan& plan, const Image& input, Size 
 
 }  // namespace
 
-std::string Walk::cut_before(const NoisyFrame& frame, int number) const {
-  if (!last_ || frame.plan.history() == 0) return "";
-  if (last_->number != number - step_) return fmt::format("frame {} was not filtered", number - step_);
-  if (last_->planes.empty()) return fmt::format("frame {} failed", last_->number);
-  if (last_->planes.region() != frame.region() || last_->display != frame.picture.display)
-    return fmt::format("frame {} covers other pixels", last_->number);
-  return "";
+void Walk::failed(int number) {
+  succession_.failed(number);
+  kept_ = {};
 }
 
 FilteredFrame Walk::next(const NoisyFrame& frame, int number) {
   FilteredFrame result;
-  result.cut = cut_before(frame, number);
   result.tile = tile_of(options_, frame.plan, frame.region());
-  const bool goes_on = last_ && result.cut.empty();
-  const Image history = goes_on ? std::move(last_->planes) : Image{};
+  Succession before = succession_;
+  const Succession::Link link = before.next(number, frame.region(), frame.picture.display);
+  const Image history = link.goes_on ? std::move(kept_) : Image{};
   failed(number);  // until it is done
   result.image = filtered(device_, frame.plan, frame.gathered.input, result.tile, history);
-  if (frame.plan.history() > 0)
-    last_ = Kept{number, frame.picture.display, planes_of(result.image, 3, frame.plan.history())};
+  succession_ = before;
+  if (frame.plan.history() == 0) return result;
+  result.cut = link.cut;
+  kept_ = planes_of(result.image, 3, frame.plan.history());
   return result;
 }
 
-Size tile_within(const FilterPlan& plan, const Region& frame, std::uint64_t bytes) {
-  Size tile{frame.width(), frame.height()};
+Size tile_within(const FilterPlan& plan, const Region& frame, std::uint64_t bytes, Size most) {
+  Size tile{std::min(frame.width(), most.width), std::min(frame.height(), most.height)};
   while (bytes_of(plan, frame, tile) > bytes) {
     int& longer = tile.width > tile.height ? tile.width : tile.height;
     if (longer <= kLeastTile)

@@ -3,10 +3,11 @@
 // the last one to the first.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "cli/noisy_files.h"
+#include "cli/succession.h"
+#include "core/job.h"
 #include "worker/denoise/runner.h"
 
 namespace tessera {
@@ -21,29 +22,24 @@ class Walk {
  public:
   // `step`: 1 or -1. Borrows the device and the options.
   Walk(Device& device, const DenoiseOptions& options, int step)
-      : device_(device), options_(options), step_(step) {}
+      : device_(device), options_(options), succession_(step) {}
 
-  // Goes by the frame `number - step` if that was the last one, and covered the same pixels.
+  // Goes by what the last one has kept where it continues it (succession.h).
   FilteredFrame next(const NoisyFrame&, int number);
   // The frame is missing from now on.
-  void failed(int number) { last_ = Kept{number, {}, {}}; }
+  void failed(int number);
 
  private:
-  struct Kept {
-    int number = 0;
-    Region display;
-    Image planes;  // empty: the frame failed
-  };
-  std::string cut_before(const NoisyFrame&, int number) const;
-
   Device& device_;
   const DenoiseOptions& options_;
-  int step_;
-  std::optional<Kept> last_;
+  Succession succession_;
+  Image kept_;  // of the last one; empty: nothing, or it failed
 };
 
-// The largest tile, whole or halved again and again, whose planes with halo fit into `bytes`, and those of
-// its history and of what it keeps. Throws Error(out_of_memory) that says how much the least one takes.
-Size tile_within(const FilterPlan&, const Region& frame, std::uint64_t bytes);
+// The largest tile, the frame or `most`, or that halved again and again, whose planes with halo fit into
+// `bytes`, and those of its history and of what it keeps. Throws Error(out_of_memory) that says how much the
+// least one takes.
+Size tile_within(const FilterPlan&, const Region& frame, std::uint64_t bytes,
+                 Size most = {kMaxEdge, kMaxEdge});
 
 }  // namespace tessera
