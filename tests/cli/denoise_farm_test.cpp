@@ -202,6 +202,12 @@ TEST_F(DenoiseFarm, ItsJobIsAJobLikeOthers) {
   EXPECT_TRUE(fs::exists(path("fetched.png")));
 }
 
+TEST(JobNames, AreMadeOfWhateverAFileIsCalled) {
+  for (const char* word : {"shot.####", "my scene (1)", ".hidden", "", "caf\xc3\xa9"})
+    EXPECT_TRUE(is_job_name(own_id(word))) << word;
+  EXPECT_THAT(own_id("shot-1.v2"), testing::StartsWith("shot-1.v2-"));
+}
+
 TEST_F(DenoiseFarm, WhatTheFarmHasIsNotUploadedAgain) {
   open_farm();
   write_shot({1});

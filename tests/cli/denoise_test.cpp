@@ -72,6 +72,7 @@ TEST_F(Denoise, TilesAreAsLargeAsTheMemoryAllowsOrSayWhatTheyNeed) {
   const FilterPlan plan = parse_filter("atrous");  // 62 px of halo
   const Region frame{0, 0, 1000, 600};
   EXPECT_EQ(tile_within(plan, frame, std::uint64_t{1} << 40), (Size{1000, 600}));
+  EXPECT_EQ(tile_within(plan, frame, std::uint64_t{1} << 40, {256, 128}), (Size{256, 128}));
   const Size cut = tile_within(plan, frame, 30 << 20);
   EXPECT_LT(cut.width, 1000);
   EXPECT_GE(cut.width, 250) << "not smaller than need be";

@@ -7,6 +7,7 @@
 #include <future>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <thread>
 
 #include "core/exr.h"
@@ -86,6 +87,16 @@ class FarmCommands : public Program {
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
+  // Noise, as another renderer may have written it.
+  std::string noisy(const std::string& name, int edge, unsigned seed) const {
+    ExrImage picture;
+    for (const char* channel : {"R", "G", "B", "Z"}) picture.channels.push_back({channel, false});
+    picture.pixels = Image({0, 0, edge, edge}, 4);
+    std::minstd_rand random(seed);
+    for (float& v : picture.pixels.data()) v = std::uniform_real_distribution<float>(0.1f, 1)(random);
+    write_exr(path(name), picture);
+    return path(name);
+  }
   nlohmann::json state_of(const std::string& name) const {
     return nlohmann::json::parse(command({"jobs", name, "--json"}).text);
   }
@@ -138,6 +149,53 @@ TEST_F(FarmCommands, ControlJobs) {
   EXPECT_THAT(waited.text, HasSubstr("comes after a, which was cancelled"));
   EXPECT_THAT(command({"jobs"}).text, HasSubstr("no jobs under way"));
   EXPECT_THAT(command({"jobs", "--all"}).text, HasSubstr("cancelled"));
+}
+
+TEST_F(FarmCommands, DenoiseThroughAFarmWhereTheyAreToldTo) {
+  hire("one");
+  const std::string in = noisy("in.exr", 96, 1), filter = "bilateral";
+  setenv("TESSERA_COORDINATOR", ("ipc://" + path("nowhere")).c_str(), 1);
+  setenv("TESSERA_DEVICE", "0", 1);
+  const Outcome here = run({"denoise", in, "-o", path("here.exr"), "--filter", filter});
+  const Outcome there = command({"denoise", in, "-o", path("there.exr"), "--filter", filter});
+  unsetenv("TESSERA_COORDINATOR");
+  unsetenv("TESSERA_DEVICE");
+  EXPECT_EQ(here.code, 0) << here.text << "nobody is asked";
+  EXPECT_THAT(here.text, Not(HasSubstr("farm")));
+  ASSERT_EQ(there.code, 0) << there.text;
+  EXPECT_TRUE(same_bits(read_exr(path("here.exr")).pixels, read_exr(path("there.exr")).pixels));
+  const auto begin = there.text.find("job ") + 4;
+  const std::string name = there.text.substr(begin, there.text.find(':', begin) - begin);
+  EXPECT_EQ(state_of(name)["state"], "completed") << there.text;
+  const Outcome verified = command({"verify", name});
+  EXPECT_EQ(verified.code, 2);
+  EXPECT_THAT(verified.text, HasSubstr("filters what it was given"));
+  EXPECT_EQ(command({"fetch", name, "-o", path("fetched.exr")}).code, 0);
+  EXPECT_EQ(read_exr(path("fetched.exr")).channels.size(), 3u);
+  const Outcome device = command({"denoise", in, "-o", path("out.exr"), "--device", "0"});
+  EXPECT_EQ(device.code, 2) << device.text;
+}
+
+TEST_F(FarmCommands, DenoiseToTheSameBitsThoughTheCoordinatorIsKilled) {
+  hire("one");
+  for (unsigned f = 1; f <= 3; ++f) noisy("in." + std::to_string(f) + ".exr", 160, f);
+  const std::vector<std::string> words{"denoise", path("in.#.exr"), "--filter", "bilateral", "-o"};
+  auto here = words, there = words;
+  here.push_back(path("here.#.exr"));
+  there.insert(there.end(), {path("there.#.exr"), "--tile-size", "16", "--coordinator", address_});
+  ASSERT_EQ(run(here).code, 0);
+  int kills = 0;
+  const Outcome outcome = run(there, [&](pid_t, const std::string& line) {
+    if (line.find("active") == line.npos || kills > 0) return;
+    ++kills;
+    coordinator_->stop(SIGKILL);
+    start_coordinator();
+  });
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_EQ(kills, 1) << outcome.text;
+  for (const char* f : {"1", "2", "3"})
+    EXPECT_TRUE(same_bits(read_exr(path(std::string("here.") + f + ".exr")).pixels,
+                          read_exr(path(std::string("there.") + f + ".exr")).pixels));
 }
 
 TEST_F(FarmCommands, SayWhatIsWrong) {

@@ -200,6 +200,18 @@ TEST_F(GivenFrames, AreRefusedWhereTheirBlobsAreNotThereOrTheyTakeTooMuch) {
   EXPECT_EQ(std::get<Denied>(hand_in("modest", modest)).code, ExitCode::out_of_memory);
 }
 
+TEST_F(GivenFrames, EndAtTheJobsLimitWithThePictureAsFarAsItIsFiltered) {
+  const FilterPlan plan = parse_filter("none");
+  const Image planes = noise(plan, kPicture, 1);
+  Submission s = submission_of("none", {{0, planes}});
+  s.limits.seconds = 0.01;
+  hand_in("limited", s);  // there is no worker
+  ASSERT_TRUE(comes_to("limited", JobState::failed)) << events("limited");
+  EXPECT_EQ(frames("limited").at(0).state, FrameState::limited);
+  EXPECT_THAT(events("limited"), HasSubstr("not all tiles are filtered"));
+  EXPECT_TRUE(same_bits(rgb_of("limited", 0), planes));
+}
+
 TEST_F(GivenFrames, AreNotVerifiedWhichIsSaid) {
   farm();
   hire(1, runner());
