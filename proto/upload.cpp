@@ -5,14 +5,17 @@
 
 #include <algorithm>
 #include <fstream>
+#include <memory>
 
 namespace tessera {
 
 BlobSource blob_of(std::string bytes) {
   const Digest digest = sha256(bytes);
   const std::uint64_t size = bytes.size();
-  return {digest, size, [bytes = std::move(bytes)](std::uint64_t offset, std::size_t n) {
-            return bytes.substr(offset, n);
+  // Shared, for sources are copied.
+  return {digest, size,
+          [all = std::make_shared<const std::string>(std::move(bytes))](std::uint64_t offset, std::size_t n) {
+            return all->substr(offset, n);
           }};
 }
 
