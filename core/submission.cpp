@@ -40,7 +40,7 @@ void require_given(const Submission& s) {
   require(s.given.size() == s.frames.size(), "given", "as many as there are frames, or none");
   require(s.layers_for.empty(), "layers_for", "none of frames that are given");
   for (std::size_t i = 0; i < s.given.size(); ++i) {
-    const GivenFrame& g = s.given[i];
+    const SubmittedFrame& g = s.given[i];
     require(std::isfinite(g.diameter) && g.diameter >= 0, "given.diameter", "0 or more");
     require(std::isfinite(g.light) && g.light >= 0, "given.light", "0 or more");
     validate(job_of(s, i));
@@ -84,7 +84,7 @@ Job job_of(const Submission& s, std::size_t place) {
   Job job = s.job;
   SceneFacts facts = s.facts;
   if (!s.given.empty()) {
-    const GivenFrame& g = s.given[place];
+    const SubmittedFrame& g = s.given[place];
     job.given = g.given;
     job.crop = g.region;
     facts.diameter = g.diameter;

@@ -36,11 +36,11 @@ struct SceneNames {
 };
 
 // A frame that is not rendered, but comes as the planes that its filter takes.
-struct GivenFrame {
+struct SubmittedFrame {
   Given given;
   Region region;                   // that they cover
   double diameter = 0, light = 0;  // facts of what it shows
-  bool operator==(const GivenFrame&) const = default;
+  bool operator==(const SubmittedFrame&) const = default;
 };
 
 struct Submission {
@@ -48,10 +48,10 @@ struct Submission {
   int priority = 50;           // 0..100; the higher, the sooner
   std::vector<JobName> after;  // jobs that must be completed before
   JobLimits limits;
-  Job job;                        // of every frame, but for its number; filters that go by facts not resolved
-  std::vector<int> frames;        // their numbers, in the order in which they are wanted; each once
-  std::vector<GivenFrame> given;  // of each frame; none: they are rendered
-  SceneFacts facts;               // of the scene
+  Job job;                  // of every frame, but for its number; filters that go by facts not resolved
+  std::vector<int> frames;  // their numbers, in the order in which they are wanted; each once
+  std::vector<SubmittedFrame> given;  // of each frame; none: they are rendered
+  SceneFacts facts;                   // of the scene
   SceneNames names;
   bool transparent = false;  // the scene stands before nothing: previews have coverage
   std::string compression = "zip";

@@ -66,8 +66,8 @@ void to_wire(const Region& r, google::protobuf::RepeatedField<std::int32_t>& w) 
   for (const int at : {r.x0, r.y0, r.x1, r.y1}) w.Add(at);
 }
 
-void to_wire(const std::vector<GivenFrame>& frames, wire::GivenFrames& w) {
-  for (const GivenFrame& f : frames) {
+void to_wire(const std::vector<SubmittedFrame>& frames, wire::GivenFrames& w) {
+  for (const SubmittedFrame& f : frames) {
     *w.mutable_planes() += f.given.planes;
     to_wire(f.region, *w.mutable_regions());
     to_wire(f.given.display, *w.mutable_regions());
@@ -77,7 +77,7 @@ void to_wire(const std::vector<GivenFrame>& frames, wire::GivenFrames& w) {
   }
 }
 
-std::vector<GivenFrame> given_from(const wire::GivenFrames& w) {
+std::vector<SubmittedFrame> given_from(const wire::GivenFrames& w) {
   constexpr std::size_t kDigest = 64, kNumbers = 8, kFacts = 2;
   const auto count = static_cast<std::size_t>(w.goes_on_size());
   require(count <= kMaxFrames, "given", "too many entries");
@@ -85,7 +85,7 @@ std::vector<GivenFrame> given_from(const wire::GivenFrames& w) {
               static_cast<std::size_t>(w.regions_size()) == kNumbers * count &&
               static_cast<std::size_t>(w.facts_size()) == kFacts * count,
           "given", "its lists are not of the same frames");
-  std::vector<GivenFrame> frames(count);
+  std::vector<SubmittedFrame> frames(count);
   for (std::size_t i = 0; i < count; ++i) {
     const auto region = [&](std::size_t first) {
       const std::int32_t* n = w.regions().data() + kNumbers * i + first;

@@ -25,7 +25,7 @@ std::vector<FrameRecord> waiting_frames(const Submission& s) {
 // some of it is not there.
 std::vector<Digest> blobs_of(BlobStore& blobs, const Submission& s) {
   std::vector<Digest> needed;
-  for (const GivenFrame& frame : s.given) needed.push_back(frame.given.planes);
+  for (const SubmittedFrame& frame : s.given) needed.push_back(frame.given.planes);
   if (s.given.empty()) {
     const Digest& bundle = needed.emplace_back(s.job.scene.bundle);
     if (bundle.empty()) throw InputError("job: scene.bundle", "is missing", "a job whose scene was uploaded");

@@ -11,7 +11,7 @@ bool has_ended(const FrameRecord& f) {
 }
 
 std::size_t largest_frame(const Submission& s) {
-  const auto area = [](const GivenFrame& frame) { return frame.region.area(); };
+  const auto area = [](const SubmittedFrame& frame) { return frame.region.area(); };
   const auto largest = std::ranges::max_element(s.given, {}, area);
   return largest == s.given.end() ? 0 : static_cast<std::size_t>(largest - s.given.begin());
 }
