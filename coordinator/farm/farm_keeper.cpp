@@ -13,6 +13,7 @@
 #include "core/filter/given.h"
 
 namespace tessera {
+
 FarmKeeper::FarmKeeper(Store& store, std::uint64_t number, std::vector<std::size_t> places,
                        std::vector<std::string> identities, std::vector<FrameRecord>& frames,
                        std::function<void(const std::string&)> trouble)

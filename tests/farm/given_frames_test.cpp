@@ -170,17 +170,8 @@ TEST_F(GivenFrames, GoOnInAnotherLifeWithTheSameBits) {
   hand_in("disturbed", submission_of(kShot, shot, {16, 16}));
   hire(2, runner());
   ASSERT_TRUE(comes_to("undisturbed", JobState::completed)) << events("undisturbed");
-  double reached = 0;
-  int lives = 1;
-  while (job("disturbed").state != JobState::completed && lives < 12) {
-    ASSERT_TRUE(comes([&] {
-      return job("disturbed").fraction > reached + 0.1 || job("disturbed").state == JobState::completed;
-    }));
-    reached = job("disturbed").fraction;
-    die();
-    ++lives;
-  }
-  ASSERT_TRUE(comes_to("disturbed", JobState::completed)) << events("disturbed");
+  int lives = 0;
+  ASSERT_NO_FATAL_FAILURE(disturb("disturbed", lives));
   EXPECT_GT(lives, 2);
   for (const std::uint32_t place : {0u, 1u})
     EXPECT_TRUE(same_bits(rgb_of("disturbed", place), rgb_of("undisturbed", place)));

@@ -71,6 +71,20 @@ class Service : public WithDevice {
     farm_.reset();
     road_.reset();
   }
+  // Ends the farm's life, and begins the next one, whenever a tenth more of the job is done, until it is
+  // completed. `lives`: how many there were.
+  void disturb(const JobName& name, int& lives) {
+    double reached = 0;
+    lives = 1;
+    while (job(name).state != JobState::completed && lives < 12) {
+      ASSERT_TRUE(comes(
+          [&] { return job(name).fraction > reached + 0.1 || job(name).state == JobState::completed; }));
+      reached = job(name).fraction;
+      die();
+      ++lives;
+    }
+    ASSERT_TRUE(comes_to(name, JobState::completed)) << events(name);
+  }
   void hire(int workers, TaskRunner& does) {
     for (int i = 0; i < workers; ++i) {
       const std::string id = "worker-" + std::to_string(hands_.size());

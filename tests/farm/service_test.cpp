@@ -62,17 +62,8 @@ TEST_F(Service, GoesOnInAnotherLifeWithTheSameBits) {
   submit("undisturbed", submission(3, {4, 5}));
   ASSERT_TRUE(comes_to("undisturbed", JobState::completed));
   submit("disturbed", submission(3, {4, 5}));
-  double reached = 0;
-  int lives = 1;
-  while (job("disturbed").state != JobState::completed && lives < 12) {
-    ASSERT_TRUE(comes([&] {
-      return job("disturbed").fraction > reached + 0.1 || job("disturbed").state == JobState::completed;
-    }));
-    reached = job("disturbed").fraction;
-    die();
-    ++lives;
-  }
-  ASSERT_TRUE(comes_to("disturbed", JobState::completed)) << events("disturbed");
+  int lives = 0;
+  ASSERT_NO_FATAL_FAILURE(disturb("disturbed", lives));
   EXPECT_GT(lives, 3);
   for (const std::uint32_t place : {0u, 1u})
     EXPECT_EQ(image_of("disturbed", place), image_of("undisturbed", place));
