@@ -65,6 +65,8 @@ RenderedFrame::RenderedFrame(const Job& job, bool awaits_history)
       cells_(plan_cells(job)),
       tiles_(plan_tiles(job)),
       film_(job.region(), film_aovs(job)),
+      taken_(filter_aovs(job)),
+      taken_planes_(layout().planes_of(taken_)),
       stitched_(job.region(), filtered_planes(job.filter)),
       have_(cells_.size(), 0),
       tiles_of_cell_(cells_.size()),
@@ -140,6 +142,8 @@ std::shared_ptr<const Image> RenderedFrame::kept() const {
   assert(stopped() && planes > 0);
   return std::make_shared<const Image>(planes_of(stitched_, kFilteredPlanes, planes));
 }
+
+Image RenderedFrame::taken(const Region& outer) const { return picked(film_.sums(), outer, taken_planes_); }
 
 void RenderedFrame::stitch(const FilterTask& task, const Filtered& filtered) {
   const auto tile = tile_at_.find(task.tile.inner);

@@ -61,9 +61,9 @@ class RenderedFrame : public Frame {
   std::size_t cell_at(int x, int y) const;
   double samples_after_this_round() const;
 
-  Image taken(const Region& outer) const override { return cropped(film_.sums(), outer); }
+  Image taken(const Region& outer) const override;
   Image motion(const Image& taken) const override {
-    return developed(taken, layout(), channels_of(Aov::motion), Part::all);
+    return developed(taken, taken_, channels_of(Aov::motion), Part::all);
   }
 
   std::vector<Region> cells_;
@@ -72,6 +72,8 @@ class RenderedFrame : public Frame {
   std::map<Region, std::size_t> tile_at_;  // by inner region
 
   Film film_;
+  FilmLayout taken_;               // of what is filtered,
+  std::vector<int> taken_planes_;  // and where it lies in the film
   Image stitched_;   // filtered_planes() over the frame, this round's tiles replacing older ones
   Image seen_;       // RGB delivered at the last look
   Image seen_sums_;  // colour sums of the halves and their counts at the last look

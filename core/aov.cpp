@@ -92,6 +92,17 @@ int FilmLayout::sum(Aov a, int channel, Half h, int power) const {
   return first_[static_cast<int>(a)] + 2 * ((power - 1) * info(a).channels + channel) + static_cast<int>(h);
 }
 
+std::vector<int> FilmLayout::planes_of(const FilmLayout& part) const {
+  std::vector<int> planes{0, 1, 2, 3};
+  for (const AovInfo& i : kInfo) {
+    if (!part.aovs_.has(i.aov)) continue;
+    for (int power = 1; power <= part.moments(i.aov); ++power)
+      for (int c = 0; c < i.channels; ++c)
+        for (const Half h : {Half::a, Half::b}) planes.push_back(sum(i.aov, c, h, power));
+  }
+  return planes;
+}
+
 std::vector<Channel> channels_of(Aov a, Statistic statistic, Share share) {
   std::vector<Channel> channels;
   for (int c = 0; c < info(a).channels; ++c) channels.push_back({a, c, statistic, share});

@@ -146,6 +146,8 @@ class FilmLayout {
   // Of the channel's `power`-th powers. Precondition: the AOV is in the set, and has that moment.
   int sum(Aov, int channel, Half, int power = 1) const;
   int square(Aov a, int channel, Half h) const { return sum(a, channel, h, 2); }
+  // The planes here of what lies in those of `part`, in its order. Precondition: all of it is here.
+  std::vector<int> planes_of(const FilmLayout& part) const;
 
   // The planes of lists of ranks: of half A, and of half B one further. Each list has 2 * kMatteRanks planes,
   // every second one from its first.

@@ -6,16 +6,16 @@
 
 namespace tessera {
 
-AovSet film_aovs(const Job& job) {
-  return job.render.aovs | AovSet{Aov::color} | aovs_of(job.filter.inputs());
-}
+AovSet film_aovs(const Job& job) { return job.render.aovs | AovSet{Aov::color} | filter_aovs(job); }
+
+AovSet filter_aovs(const Job& job) { return aovs_of(job.filter.inputs()); }
 
 FilterShape filter_shape(const Job& job) {
   if (job.given) {
     const int kept = job.filter.history();
     return {static_cast<int>(job.filter.inputs().size()), 3 + kept, kept};
   }
-  return {FilmLayout(film_aovs(job)).planes(), filtered_planes(job.filter), history_planes(job.filter)};
+  return {FilmLayout(filter_aovs(job)).planes(), filtered_planes(job.filter), history_planes(job.filter)};
 }
 
 std::vector<Tile> plan_tiles(const Job& job) { return tiles_over(job.region(), job.tile, job.filter.halo()); }

@@ -12,6 +12,8 @@ namespace tessera {
 
 // What the film of the job keeps: what was asked for, and what the filter and the stop rule need.
 AovSet film_aovs(const Job&);
+// What of it travels to be filtered.
+AovSet filter_aovs(const Job&);
 
 // Of the job's filter tasks: how many planes one takes of its frame and of the one before, and has as its
 // answer, of which the last ones are kept for the frame behind.

@@ -17,7 +17,7 @@ namespace tessera {
 using WorkerId = std::string;  // chosen by the worker, new each time it starts; 1..64 printable characters
 using Attempt = std::uint32_t;
 
-inline constexpr int kProtocolVersion = 5;
+inline constexpr int kProtocolVersion = 6;
 
 // Worker to coordinator.
 struct Hello {

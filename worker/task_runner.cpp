@@ -59,8 +59,8 @@ class StandardRunner : public TaskRunner {
     if (job.given)
       done.filtered = filter(use.device(), job.filter, input.film, work.tile, job.region(), input.history);
     else
-      done.filtered = filter_task(use.device(), job.filter, input.film, FilmLayout(film_aovs(job)), work.tile,
-                                  job.region(), input.history);
+      done.filtered = filter_task(use.device(), job.filter, input.film, FilmLayout(filter_aovs(job)),
+                                  work.tile, job.region(), input.history);
     use.done(std::chrono::duration<double>(clock_now() - begin).count());
     return done;
   }

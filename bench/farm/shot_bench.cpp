@@ -43,7 +43,7 @@ std::uint64_t bytes(const Image& image) { return sizeof(float) * image.data().si
 // A road on which what passes is weighed.
 class Weighed : public Transport {
  public:
-  Weighed(Transport& road, const Job& job) : road_(road), job_(job), layout_(film_aovs(job)) {}
+  Weighed(Transport& road, const Job& job) : road_(road), job_(job), layout_(filter_aovs(job)) {}
 
   void send(const Peer& to, Message message) override {
     if (const Assign* assign = std::get_if<Assign>(&message)) {

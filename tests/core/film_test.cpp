@@ -91,5 +91,20 @@ TEST(Film, DevelopsMeansVariancesAndDepth) {
   EXPECT_EQ(pixel(Part::all, 1), (std::vector{0.0f, 0.0f, kSkyDepth}));
 }
 
+TEST(FilmLayout, FindsThePlanesOfAPart) {
+  const FilmLayout all({Aov::color, Aov::direct, Aov::albedo, Aov::depth, Aov::guide_squares}),
+      some({Aov::direct, Aov::depth});
+  const std::vector<int> planes = all.planes_of(some);
+  ASSERT_EQ(std::ssize(planes), some.planes());
+  EXPECT_EQ(planes[FilmLayout::hits(Half::b)], FilmLayout::hits(Half::b));
+  for (const Half h : {Half::a, Half::b}) {
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_EQ(planes[some.sum(Aov::direct, c, h)], all.sum(Aov::direct, c, h));
+      EXPECT_EQ(planes[some.square(Aov::direct, c, h)], all.square(Aov::direct, c, h));
+    }
+    EXPECT_EQ(planes[some.sum(Aov::depth, 0, h)], all.sum(Aov::depth, 0, h));
+  }
+}
+
 }  // namespace
 }  // namespace tessera
