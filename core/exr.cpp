@@ -13,6 +13,7 @@
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfThreading.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -20,6 +21,7 @@
 #include <cassert>
 #include <fstream>
 #include <set>
+#include <thread>
 
 #include "core/error.h"
 #include "core/exr_header.h"
@@ -77,6 +79,18 @@ Imf::Header header_of(const ExrImage& image, Imf::Compression compression) {
 }
 
 half to_half(float v) { return half(v > kHalfMax ? kHalfMax : v < -kHalfMax ? -kHalfMax : v); }
+
+// Packing is most of what writing takes. Files that are read may be anything: one thread each.
+int threads_to_write() {
+  static constexpr unsigned kMost = 8;
+  static const int threads = [] {
+    const int cores = static_cast<int>(std::min(std::thread::hardware_concurrency(), kMost));
+    if (cores > Imf::globalThreadCount()) Imf::setGlobalThreadCount(cores);
+    return cores;
+  }();
+  return threads;
+}
+constexpr int kThreadsToRead = 0;  // beside the one that asks
 
 void write_pixels(Imf::OutputFile& out, const ExrImage& image) {
   const Imath::Box2i box = window(image.pixels.region());
@@ -194,7 +208,7 @@ std::string start_of(const std::filesystem::path& file) {
 }
 
 ExrImage read(const std::string& file, std::uintmax_t bytes, std::int64_t most_values) {
-  Imf::MultiPartInputFile parts(file.c_str());
+  Imf::MultiPartInputFile parts(file.c_str(), kThreadsToRead);
   const Imf::Header& header = parts.header(0);
   if (header.hasType() && Imf::isDeepData(header.type()))
     throw InputError(file, "its first part is deep", "flat images");
@@ -237,7 +251,7 @@ void write_exr(const std::filesystem::path& file, const ExrImage& image, const s
   PendingFile pending(file);
   try {
     {
-      Imf::OutputFile out(pending.temporary().c_str(), header_of(image, how));
+      Imf::OutputFile out(pending.temporary().c_str(), header_of(image, how), threads_to_write());
       write_pixels(out, image);
     }
     pending.commit();
@@ -252,7 +266,7 @@ std::string exr_bytes(const ExrImage& image, const std::string& compression) {
   require_distinct_names("an EXR in memory", image.channels);
   Bytes bytes;
   {
-    Imf::OutputFile out(bytes, header_of(image, how));
+    Imf::OutputFile out(bytes, header_of(image, how), threads_to_write());
     write_pixels(out, image);
   }
   return std::move(bytes).taken();
