@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// tessera cancel, pause, resume, priority, verify, release: what is done to jobs and workers of a farm.
+// tessera cancel, pause, resume, priority, verify, remove, release: what is done to jobs and workers of a
+// farm.
 #include <memory>
 
 #include "cli/farm_link.h"
@@ -34,6 +35,18 @@ std::function<int()> describe_plain_verb(CLI::App& app, Verb verb) {
 std::function<int()> describe_cancel(CLI::App& app) { return describe_plain_verb(app, Verb::cancel); }
 std::function<int()> describe_pause(CLI::App& app) { return describe_plain_verb(app, Verb::pause); }
 std::function<int()> describe_resume(CLI::App& app) { return describe_plain_verb(app, Verb::resume); }
+
+std::function<int()> describe_remove(CLI::App& app) {
+  auto c = std::make_shared<ControlCommand>();
+  app.add_option("job", c->jobs, "One job or more, that are over")->required();
+  add_link_options(app, c->link);
+  return [c] {
+    FarmLink farm(c->link);
+    for (const std::string& job : c->jobs) farm.ask<JobDetail>(ShowJob{job});  // or there is no such job
+    for (const std::string& job : c->jobs) farm.ask<Agreed>(Control{job, Verb::remove, 0});
+    return 0;
+  };
+}
 
 std::function<int()> describe_priority(CLI::App& app) {
   auto c = std::make_shared<ControlCommand>();

@@ -36,6 +36,7 @@ constexpr std::array kCommands{
     Subcommand{"resume", "Go on with paused jobs", describe_resume},
     Subcommand{"priority", "Change a job's priority", describe_priority},
     Subcommand{"verify", "Have work of a job done again elsewhere, and compare the bits", describe_verify},
+    Subcommand{"remove", "Forget jobs that are over, and their images", describe_remove},
     Subcommand{"workers", "List a farm's workers", describe_workers},
     Subcommand{"release", "Let a worker that was set aside work again", describe_release},
     Subcommand{"devices", "List the OpenCL devices that can filter", describe_devices},

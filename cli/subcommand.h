@@ -26,6 +26,7 @@ std::function<int()> describe_fetch(CLI::App&);
 std::function<int()> describe_jobs(CLI::App&);
 std::function<int()> describe_pause(CLI::App&);
 std::function<int()> describe_priority(CLI::App&);
+std::function<int()> describe_remove(CLI::App&);
 std::function<int()> describe_release(CLI::App&);
 std::function<int()> describe_resume(CLI::App&);
 std::function<int()> describe_submit(CLI::App&);

@@ -66,7 +66,8 @@ struct ListEvents {
   std::uint64_t after = 0;  // JobEvent::number
   bool operator==(const ListEvents&) const = default;
 };
-enum class Verb : std::uint8_t { cancel, pause, resume, set_priority, verify };
+// remove: of a job that is over; one that is not there (any more) is as good.
+enum class Verb : std::uint8_t { cancel, pause, resume, set_priority, verify, remove };
 struct Control {
   JobName job;
   Verb verb = Verb::cancel;

@@ -80,7 +80,7 @@ int value_from(Verb verb, int value) {
 }
 
 Control control(const wire::Control& w) {
-  const auto verb = static_cast<Verb>(whole_from(w.verb(), 0, static_cast<int>(Verb::verify), "verb"));
+  const auto verb = static_cast<Verb>(whole_from(w.verb(), 0, static_cast<int>(Verb::remove), "verb"));
   return {job_name_from(w.job()), verb, value_from(verb, w.value())};
 }
 

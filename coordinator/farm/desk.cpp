@@ -63,6 +63,7 @@ struct Desk {
   }
   Reply operator()(const Control& q) {
     const JobRecord record = farm.record(q.job);
+    if (q.verb == Verb::remove && !farm.store().job(q.job)) return Agreed{};
     const bool own = who.submitter && record.owner == who.name;
     require(own || who.administrator, who, fmt::format("change job {}, which is {}'s", q.job, record.owner));
     switch (q.verb) {
@@ -83,6 +84,9 @@ struct Desk {
         farm.verify(q.job, q.value, static_cast<std::uint64_t>(unix_ms()));
         break;
     }
+      case Verb::remove:
+        farm.remove(q.job);
+        break;
     return Agreed{};
   }
   Reply operator()(const ListWorkers& q) {

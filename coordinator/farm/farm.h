@@ -59,6 +59,8 @@ class Farm {
   void set_priority(const JobName& name, int priority);
   // Has so many of its accepted tasks done again by other workers; what comes of it is told as events.
   void verify(const JobName& name, int tasks, std::uint64_t seed);
+  // One that is over, and that no other waits for; its images go as soon as they were not used for a while.
+  void remove(const JobName& name);
   void release(const std::string& worker) { coordinator_.release(worker); }
 
   JobRecord record(const JobName& name);  // throws Error(bad_input) if there is none

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What people may have the farm do with its jobs, and how they are described to them.
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 
@@ -142,6 +143,17 @@ void Farm::set_priority(const JobName& name, int priority) {
   save(job);
   note(job, fmt::format("has priority {}", priority));
   changed_ = true;
+}
+
+void Farm::remove(const JobName& name) {
+  if (open_.contains(name))
+    throw Error(ExitCode::bad_usage, fmt::format("job {} is not over; accepted: one that is", name));
+  for (const auto& [other, job] : open_)
+    if (std::ranges::count(job.submission.after, name) > 0)
+      throw Error(ExitCode::bad_usage, fmt::format("job {} comes after job {}", other, name));
+  const std::uint64_t number = record(name).number;
+  store_.remove(number);
+  spdlog::info("job {}: removed", number);
 }
 
 JobRecord Farm::record(const JobName& name) {

@@ -53,7 +53,8 @@ void Farm::verify(const JobName& name, int tasks, std::uint64_t seed) {
 void Farm::check(const JobRecord& job, const Job& frame, const AcceptedRecord& task) {
   const Accepted& first = task.accepted;
   const RenderTask work = std::get<RenderTask>(first.work);
-  const auto told = [this, number = job.number, first, work, frame = frame.frame](const CheckResult& again) {
+  const auto told = [this, name = job.job, number = job.number, first, work,
+                     frame = frame.frame](const CheckResult& again) {
     const std::string what = fmt::format("verify: frame {}, {}", frame, words_for(work));
     std::string text;
     if (again.failure)
@@ -63,7 +64,7 @@ void Farm::check(const JobRecord& job, const Job& frame, const AcceptedRecord& t
     else
       text = fmt::format("{}: OTHER BITS from {} than from {}", what, again.name, first.worker);
     if (!again.failure && again.digest != first.digest) ++wrong_bits_;
-    note(number, text);
+    if (const auto there = store_.job(name); there && there->number == number) note(number, text);
   };
   coordinator_.check({frame, work, first.worker, first.device_class, told});
 }

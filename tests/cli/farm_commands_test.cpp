@@ -139,6 +139,7 @@ TEST_F(FarmCommands, ControlJobs) {
   EXPECT_EQ(command(job("b", {"--samples", "16", "--after", "a"})).code, 0);
   EXPECT_EQ(command({"pause", "a"}).code, 0);
   EXPECT_EQ(state_of("a")["state"], "paused");
+  EXPECT_EQ(command({"remove", "a"}).code, 2) << "it is not over";
   EXPECT_EQ(command({"priority", "a", "80"}).code, 0);
   EXPECT_EQ(state_of("a")["priority"], 80);
   EXPECT_EQ(command({"resume", "a"}).code, 0);
@@ -149,6 +150,8 @@ TEST_F(FarmCommands, ControlJobs) {
   EXPECT_THAT(waited.text, HasSubstr("comes after a, which was cancelled"));
   EXPECT_THAT(command({"jobs"}).text, HasSubstr("no jobs under way"));
   EXPECT_THAT(command({"jobs", "--all"}).text, HasSubstr("cancelled"));
+  EXPECT_EQ(command({"remove", "a"}).code, 0);
+  EXPECT_EQ(command({"jobs", "a"}).code, 3);
 }
 
 TEST_F(FarmCommands, DenoiseThroughAFarmWhereTheyAreToldTo) {
@@ -201,6 +204,7 @@ TEST_F(FarmCommands, DenoiseToTheSameBitsThoughTheCoordinatorIsKilled) {
 TEST_F(FarmCommands, SayWhatIsWrong) {
   EXPECT_EQ(command({"jobs", "nobody"}).code, 3);
   EXPECT_EQ(command({"cancel", "nobody"}).code, 3);
+  EXPECT_EQ(command({"remove", "nobody"}).code, 3);
   EXPECT_EQ(command({"submit", path("missing.json")}).code, 3);
   EXPECT_EQ(command({"release", "nobody"}).code, 0) << "it is not set aside";
   const Outcome away = run({"jobs", "--coordinator", "ipc://" + path("nowhere"), "--timeout", "0.3"});

@@ -97,6 +97,28 @@ TEST_F(Service, PausesGoesOnAndCancels) {
   EXPECT_EQ(job("unwanted").reason, "cancelled by local");
 }
 
+TEST_F(Service, RemovesJobsThatAreOver) {
+  Submission second = submission();
+  second.after = {"first"};
+  submit("first", submission());
+  submit("second", second);
+  EXPECT_THAT(std::get<Denied>(ask(Control{"second", Verb::remove})).reason, HasSubstr("is not over"));
+  ask(Control{"second", Verb::pause});
+  hire(1, runner());
+  ASSERT_TRUE(comes_to("first", JobState::completed));
+  EXPECT_THAT(std::get<Denied>(ask(Control{"first", Verb::remove})).reason, HasSubstr("comes after"));
+  ask(Control{"second", Verb::cancel});
+  const Digest image = std::get<JobDetail>(ask(ShowJob{"first"})).frames.at(0).image;
+  ASSERT_TRUE(farm().store().blobs().has(image));
+  for (int times = 0; times < 2; ++times)
+    EXPECT_TRUE(std::holds_alternative<Agreed>(ask(Control{"first", Verb::remove})));
+  EXPECT_TRUE(std::holds_alternative<Denied>(ask(ShowJob{"first"})));
+  farm().store().collect(unix_ms() + 1000);
+  EXPECT_FALSE(farm().store().blobs().has(image));
+  submit("first", submission(2));  // the name is free
+  EXPECT_TRUE(comes_to("first", JobState::completed));
+}
+
 TEST_F(Service, KeepsToTheOrderAmongJobs) {
   Submission second = submission();
   second.after = {"first"};

@@ -91,7 +91,7 @@ TEST(QuestionCodec, EveryStateAndVerbAndCodeTravels) {
     EXPECT_EQ(of_job([&](JobSummary& s) { s.state = static_cast<JobState>(i); }), "none");
   for (int i = 0; i <= static_cast<int>(FrameState::failed); ++i)
     EXPECT_EQ(of_frame([&](FrameSummary& s) { s.state = static_cast<FrameState>(i); }), "none");
-  for (const Verb verb : {Verb::cancel, Verb::pause, Verb::resume})
+  for (const Verb verb : {Verb::cancel, Verb::pause, Verb::resume, Verb::remove})
     EXPECT_EQ(asked(Control{"j", verb, 0}), "none");
   for (const ExitCode code : {ExitCode::internal_error, ExitCode::bad_usage, ExitCode::bad_input,
                               ExitCode::out_of_memory, ExitCode::no_device, ExitCode::unreachable,
