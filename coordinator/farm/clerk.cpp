@@ -21,8 +21,9 @@ std::filesystem::path emptied(std::filesystem::path folder) {
 
 }  // namespace
 
-Clerk::Clerk(std::filesystem::path folder, std::function<void()> rung)
+Clerk::Clerk(std::filesystem::path folder, bool sync, std::function<void()> rung)
     : folder_(emptied(std::move(folder))),
+      sync_(sync),
       rung_(std::move(rung)),
       thread_([this](const std::stop_token& token) { live(token); }) {}
 
@@ -74,9 +75,10 @@ Written Clerk::attempt(Paperwork work) const {
   const auto file = [&](const char* extension) {
     return folder_ / fmt::format("{}.{}.{}", work.job, work.place, extension);
   };
-  Written written{.exr = file("exr"), .png = file("png")};
+  Written written{.exr = {file("exr"), {}}, .png = {file("png"), {}}};
   try {
-    write_frame(written.exr, written.png, work.frame, work.report, work.style, work.key);
+    write_frame(written.exr.path, written.png.path, work.frame, work.report, work.style, work.key);
+    for (Written::File* made : {&written.exr, &written.png}) made->seal = sealed(made->path, sync_);
   } catch (const std::exception& e) {
     written.trouble = e.what();
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes the files of frames that have ended, and draws those under way, in a thread of its own: compressing
-// an image takes longer than workers should wait for an answer.
+// an image, and seeing it to the disk, takes longer than workers should wait for an answer.
 #pragma once
 
 #include <condition_variable>
@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "coordinator/frame_writer.h"
+#include "coordinator/store/blob_store.h"
 #include "core/submission.h"
 
 namespace tessera {
@@ -30,8 +31,12 @@ struct Paperwork {
 };
 // It is there, or it cannot be written.
 struct Written {
+  struct File {
+    std::filesystem::path path;
+    Digest seal;  // see sealed()
+  };
   Paperwork of;
-  std::filesystem::path exr, png;
+  File exr, png;
   std::optional<std::string> trouble;
 };
 
@@ -51,8 +56,8 @@ struct Drawn {
 class Clerk {
  public:
   // Files are made in `folder`, of which all that is there is removed; `rung` is called, in the clerk's
-  // thread, whenever something is done.
-  Clerk(std::filesystem::path folder, std::function<void()> rung);
+  // thread, whenever something is done. `sync`: files that are written survive a power cut.
+  Clerk(std::filesystem::path folder, bool sync, std::function<void()> rung);
   ~Clerk();
 
   void write(Paperwork work);
@@ -67,6 +72,7 @@ class Clerk {
   Drawn attempt(const Sketch& sketch) const;
 
   std::filesystem::path folder_;
+  bool sync_;
   std::function<void()> rung_;
   std::mutex mutex_;  // guards the next three
   std::deque<std::variant<Paperwork, Sketch>> waiting_;

@@ -27,7 +27,7 @@ Farm::Farm(Transport& road, FarmOptions options)
     : options_(std::move(options)),
       store_(options_.store, options_.blobs),
       coordinator_(road, prepared(options_.coordinator)),
-      clerk_(options_.store / "writing", [this] { coordinator_.wake(); }),
+      clerk_(options_.store / "writing", options_.blobs.sync, [this] { coordinator_.wake(); }),
       began_(clock_now()) {
   recover();
 }

@@ -93,6 +93,7 @@ class Farm {
   void ended(const JobName& name, std::size_t frame, JobReport report);
   void file_next();
   void settle(OpenJob& job, std::size_t place);
+  void file_as(Digest& blob, const Written::File& file);
   void save(const OpenJob& job);
   void collect();
   void file_failed(OpenJob& job, std::size_t place, const JobReport& report);

@@ -187,6 +187,12 @@ void Farm::look_at_files(const OpenJob& job, const std::string& reason) {
 }
 
 // What the clerk has written becomes the frame's image; kept for another try if the disk is full.
+void Farm::file_as(Digest& blob, const Written::File& file) {
+  if (!blob.empty()) return;  // an earlier try came so far
+  store_.blobs().put_file(file.path, file.seal);
+  blob = file.seal;
+}
+
 void Farm::file_next() {
   Written& written = unfiled_.front();
   const auto found = open_.find(written.of.job);
@@ -199,8 +205,8 @@ void Farm::file_next() {
   }
   FrameRecord& frame = job.frames[written.of.place];
   try {
-    if (frame.image.empty()) frame.image = store_.blobs().put_file(written.exr);
-    if (frame.preview.empty()) frame.preview = store_.blobs().put_file(written.png);
+    file_as(frame.image, written.exr);
+    file_as(frame.preview, written.png);
     frame.kept = job.keeper->keep(written.of.report.kept);
     const FrameImage& image = written.of.report.image;
     frame.state = fell_short(written.of.frame, image) ? FrameState::limited : FrameState::completed;

@@ -145,26 +145,24 @@ Digest BlobStore::put(std::span<const Bytes> parts) {
   return blob;
 }
 
-Digest BlobStore::put_file(const fs::path& from) {
+Digest sealed(const fs::path& path, bool sync) {
+  const OpenFile file(path, OpenFile::Mode::write);
+  if (sync) file.sync();
+  return digest_of(file);
+}
+
+void BlobStore::put_file(const fs::path& from, const Digest& blob) {
   OpenFile file(from, OpenFile::Mode::write);
-  const Digest blob = digest_of(file);
   const std::uint64_t size = file.size();
-  if (known(blob).whole && this->size(blob) == size) {
-    remove_files(from);
-    return blob;
-  }
+  if (known(blob).whole && this->size(blob) == size) return remove_files(from);
   require_room(size);
   make_folder(path(blob).parent_path());
-  if (device_of(from) == device_of(folder_)) {
-    settle(std::move(file), blob);
-    return blob;
-  }
+  if (device_of(from) == device_of(folder_)) return settle(std::move(file), blob);
   PendingFile copy(path(blob));
   OpenFile to(copy.temporary(), OpenFile::Mode::create);
   copy_bytes(file, to, size);
   settle(std::move(to), blob);
   remove_files(from);
-  return blob;
 }
 
 // The file becomes the blob.

@@ -26,6 +26,10 @@ struct BlobOptions {
   bool sync = true;                   // a blob that is there is there after a power cut, too
 };
 
+// The digest of a file that is complete, which is on the disk from here on if `sync`. From any thread: what
+// takes its time of keeping a large file.
+Digest sealed(const std::filesystem::path& file, bool sync);
+
 class BlobStore {
  public:
   // Makes the folders if they are not there.
@@ -36,8 +40,9 @@ class BlobStore {
   Digest put(std::string_view bytes);
   // Bytes one behind the other.
   Digest put(std::span<const Bytes> parts);
-  // Takes the file away: moved if it is on the same file system, else copied.
-  Digest put_file(const std::filesystem::path& file);
+  // Takes the file away: moved if it is on the same file system, else copied. Precondition: it is sealed, and
+  // `blob` is its seal.
+  void put_file(const std::filesystem::path& file, const Digest& blob);
 
   struct Known {
     std::uint64_t have = 0;  // bytes that are there

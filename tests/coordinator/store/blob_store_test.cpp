@@ -65,7 +65,9 @@ TEST(BlobStore, TakesAFileAway) {
   const std::string bytes = some_bytes(100'000);
   for (int times = 0; times < 2; ++times) {
     write_file(folder.path() / "picture", bytes);
-    EXPECT_EQ(store.put_file(folder.path() / "picture"), sha256(bytes));
+    const fs::path file = folder.path() / "picture";
+    EXPECT_EQ(sealed(file, true), sha256(bytes));
+    store.put_file(file, sha256(bytes));
     EXPECT_FALSE(fs::exists(folder.path() / "picture"));
   }
   EXPECT_EQ(store.read(sha256(bytes)), bytes);
@@ -79,7 +81,9 @@ TEST(BlobStore, TakesAFileOfAnotherFileSystem) {
   const std::string bytes = some_bytes(2'500'000);
   const fs::path file = fs::path("/dev/shm") / folder.path().filename();
   write_file(file, bytes);
-  EXPECT_EQ(store.read(store.put_file(file)), bytes);
+  const Digest blob = sealed(file, true);
+  store.put_file(file, blob);
+  EXPECT_EQ(store.read(blob), bytes);
   EXPECT_FALSE(fs::exists(file));
 }
 
