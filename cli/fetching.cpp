@@ -20,10 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Between questions how far the job is, and as a share of the time that passed already: short jobs are not to
-// wait for their images, nor is the coordinator to be asked often about long ones.
-constexpr Millis kFirstLook{20}, kLastLook{500};
-constexpr int kShare = 100;
+constexpr Millis kLook{
+    20};  // at the least between looks: the coordinator answers when there is something new
 
 class Fetch {
  public:
@@ -33,20 +31,20 @@ class Fetch {
   }
 
   ExitCode run() {
-    const Instant begin = clock_now();
     for (;;) {
+      const Instant begin = clock_now();
       const JobSummary job = look();
       show(job);
       if (is_over(job) || !what_.wait) return is_over(job) ? exit_code(job, limited_) : ExitCode::done;
-      const auto passed = std::chrono::duration_cast<Millis>(clock_now() - begin);
-      std::this_thread::sleep_for(std::clamp(passed / kShare, kFirstLook, kLastLook));
+      std::this_thread::sleep_until(begin + kLook);
     }
   }
 
  private:
   // Asks for all frames that are not here yet, and fetches those that are there.
   JobSummary look() {
-    JobDetail page = farm_.ask<JobDetail>(ShowJob{what_.job, first_, what_.growing});
+    JobDetail page = farm_.ask<JobDetail>(ShowJob{what_.job, first_, what_.growing, stamp_});
+    stamp_ = page.stamp;
     const JobSummary job = page.summary;
     require_pattern(job);
     bool gap = false;
@@ -133,6 +131,7 @@ class Fetch {
   const Fetching& what_;
   std::set<int> wanted_, taken_;
   std::uint32_t first_ = 0;  // all frames before are here, or will not come
+  std::uint64_t stamp_ = 0;  // of the last answer
   bool limited_ = false;
   std::string last_;
 };

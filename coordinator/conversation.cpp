@@ -21,7 +21,7 @@ std::uint64_t bytes_of(const FilterInput& input) {
 
 // Who may say what is the road's to see to (proto/rights.h).
 void Coordinator::hear(Mail mail, Instant now) {
-  if (const auto* ask = std::get_if<Ask>(&mail.message)) return answer(mail.from, *ask, mail.who);
+  if (auto* ask = std::get_if<Ask>(&mail.message)) return answer(mail.from, std::move(*ask), mail.who, now);
   hear_worker(mail.from, mail.message, now);
 }
 
@@ -89,10 +89,22 @@ void Coordinator::answer(const WorkerId& from, const NeedJob& need, Instant now)
     road_.send(from, JobOver{need.id});
 }
 
-void Coordinator::answer(const WorkerId& from, const Ask& ask, const Identity& who) {
+void Coordinator::answer(const WorkerId& from, Ask ask, const Identity& who, Instant now) {
+  HeldQuestion question{from, std::move(ask), who, now + kHold};
+  if (options_.may_wait && options_.may_wait(question.ask.question))
+    held_.hold(std::move(question));
+  else
+    answer_at_once(question);
+}
+
+void Coordinator::answer_at_once(const HeldQuestion& q) {
   Reply reply = Denied{ExitCode::bad_usage, "nothing is answered here"};
-  if (options_.answer) reply = options_.answer(ask.question, who);
-  road_.send(from, Answer{ask.number, std::move(reply)});
+  if (options_.answer) reply = options_.answer(q.ask.question, q.who);
+  road_.send(q.from, Answer{q.ask.number, std::move(reply)});
+}
+
+void Coordinator::answer_held(Instant now) {
+  for (const HeldQuestion& question : held_.due(now, options_.may_wait)) answer_at_once(question);
 }
 
 Coordinator::Active* Coordinator::active_of(JobId job) {

@@ -78,6 +78,7 @@ void Coordinator::turn(Instant until) {
   if (one_ended) end_frames(now);
   if (interrupted_) begin_frames(now);
   end_runs();
+  answer_held(now);
 }
 
 // Watchers hear how far their shots are, and of snapshots.
@@ -225,6 +226,7 @@ void Coordinator::release(const std::string& worker) {
 Instant Coordinator::next_wake(Instant now) const {
   Instant wake = now + kLongestSleep;
   if (const auto deadline = scheduler_.next_deadline()) wake = std::min(wake, *deadline);
+  if (const auto answer = held_.next(now)) wake = std::min(wake, *answer);
   return std::max(wake, now);
 }
 

@@ -16,6 +16,7 @@
 
 #include "coordinator/checks.h"
 #include "coordinator/frame.h"
+#include "coordinator/held_questions.h"
 #include "coordinator/keeper.h"
 #include "coordinator/report.h"
 #include "coordinator/scheduler.h"
@@ -36,6 +37,9 @@ struct CoordinatorOptions {
   std::uint64_t first_id = 1;
   // Answers what commands ask. None: they are denied.
   std::function<Reply(const Question&, const Identity& who)> answer = {};
+  // Whether an answer now would say what who asks has been told: then it waits for news(), or kHold. None:
+  // everything is answered at once.
+  std::function<bool(const Question&)> may_wait = {};
 };
 
 using ShotId = std::uint64_t;  // unique in a coordinator's life, ascending
@@ -96,6 +100,8 @@ class Coordinator {
   // Reads mail until there is none and `until` has come, or wake(), decides, and tells the watchers.
   void turn(Instant until);
   void wake() { road_.wake(); }  // from any thread
+  // Questions that wait for an answer may have one.
+  void news() { held_.news(); }
 
   const Scheduler& scheduler() const { return scheduler_; }
   const std::map<WorkerId, WorkerRecord>& workers() const { return workers_; }
@@ -148,7 +154,9 @@ class Coordinator {
   void welcome(const WorkerId& from, const Hello& hello, Instant now);
   void leave(const WorkerId& from, Instant now);
   void answer(const WorkerId& from, const NeedJob& need, Instant now);
-  void answer(const WorkerId& from, const Ask& ask, const Identity& who);
+  void answer(const WorkerId& from, Ask ask, const Identity& who, Instant now);
+  void answer_at_once(const HeldQuestion& question);
+  void answer_held(Instant now);
   template <class Result>
   void take(const WorkerId& from, Result& result, Instant now);
   void failed(const WorkerId& from, TaskFailed& message, Instant now);
@@ -203,6 +211,7 @@ class Coordinator {
   JobId next_job_;
   TaskId next_task_;
   std::map<WorkerId, WorkerRecord> workers_;
+  HeldQuestions held_;
   WorkCounts counts_;
   std::atomic<bool> interrupted_ = false, snapshot_wanted_ = false;
   std::mutex failing_;  // guards failure_

@@ -59,6 +59,9 @@ struct ShowJob {
   JobName job;
   std::uint32_t from = 0;  // place of the first frame listed
   bool previews = false;   // those of active frames are wanted
+  // JobDetail::stamp of an earlier answer: this one waits until more has happened than that the work goes on,
+  // at most a fraction of a second. 0: it is given at once.
+  std::uint64_t seen = 0;
   bool operator==(const ShowJob&) const = default;
 };
 struct ListEvents {
@@ -144,6 +147,9 @@ struct JobDetail {
   JobSummary summary;
   std::uint32_t from = 0;
   std::vector<FrameSummary> frames;
+  // Another one whenever a frame has ended, the job has come to another state or there is another preview; 0:
+  // the job is over.
+  std::uint64_t stamp = 0;
   bool operator==(const JobDetail&) const = default;
 };
 struct JobList {

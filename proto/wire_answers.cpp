@@ -41,6 +41,7 @@ struct Writer {
     wire::JobDetail& w = *out.mutable_job();
     to_wire(std::move(r.summary), *w.mutable_summary());
     w.set_from(r.from);
+    w.set_stamp(r.stamp);
     std::size_t room = kMaxCells;
     for (FrameSummary& s : r.frames) to_wire(std::move(s), *w.add_frames(), room);
   }
@@ -96,7 +97,7 @@ JobDetail detail_from(const wire::JobDetail& w) {
   std::size_t cells = 0;
   for (const wire::FrameSummary& s : w.frames()) cells += s.cells().size();
   require(cells <= kMaxCells, "cells", "too many");
-  JobDetail r{summary_from(w.summary()), w.from(), {}};
+  JobDetail r{summary_from(w.summary()), w.from(), {}, w.stamp()};
   for (const wire::FrameSummary& s : w.frames()) r.frames.push_back(summary_from(s));
   return r;
 }

@@ -34,6 +34,7 @@ struct Writer {
     out.mutable_show_job()->set_job(std::move(q.job));
     out.mutable_show_job()->set_from(q.from);
     out.mutable_show_job()->set_previews(q.previews);
+    out.mutable_show_job()->set_seen(q.seen);
   }
   void operator()(ListEvents& q) const {
     out.mutable_list_events()->set_job(std::move(q.job));
@@ -107,7 +108,8 @@ Question question_from(wire::Ask& w) {
     case wire::Ask::kListJobs:
       return ListJobs{w.list_jobs().after()};
     case wire::Ask::kShowJob:
-      return ShowJob{job_name_from(w.show_job().job()), w.show_job().from(), w.show_job().previews()};
+      return ShowJob{job_name_from(w.show_job().job()), w.show_job().from(), w.show_job().previews(),
+                     w.show_job().seen()};
     case wire::Ask::kListEvents:
       return ListEvents{job_name_from(w.list_events().job()), w.list_events().after()};
     case wire::Ask::kControl:

@@ -56,14 +56,15 @@ struct Desk {
   }
   Reply operator()(const ShowJob& q) {
     const JobRecord record = farm.record(q.job);
-    return JobDetail{farm.summary(record), q.from, farm.frames(record, q.from, kFramesAtOnce, q.previews)};
+    return JobDetail{farm.summary(record), q.from, farm.frames(record, q.from, kFramesAtOnce, q.previews),
+                     farm.stamp(q.job)};
   }
   Reply operator()(const ListEvents& q) {
     return EventList{farm.store().events(farm.record(q.job).number, q.after, kMaxListed)};
   }
   Reply operator()(const Control& q) {
-    const JobRecord record = farm.record(q.job);
     if (q.verb == Verb::remove && !farm.store().job(q.job)) return Agreed{};
+    const JobRecord record = farm.record(q.job);
     const bool own = who.submitter && record.owner == who.name;
     require(own || who.administrator, who, fmt::format("change job {}, which is {}'s", q.job, record.owner));
     switch (q.verb) {
@@ -83,10 +84,10 @@ struct Desk {
       case Verb::verify:
         farm.verify(q.job, q.value, static_cast<std::uint64_t>(unix_ms()));
         break;
-    }
       case Verb::remove:
         farm.remove(q.job);
         break;
+    }
     return Agreed{};
   }
   Reply operator()(const ListWorkers& q) {
@@ -125,6 +126,11 @@ Reply answer(Farm& farm, const Question& question, const Identity& who) {
     spdlog::error("coordinator: a question of {} was not answered: {}", who.name, e.what());
     return Denied{ExitCode::internal_error, e.what()};
   }
+}
+
+bool may_wait(const Farm& farm, const Question& question) {
+  const auto* q = std::get_if<ShowJob>(&question);
+  return q && q->seen != 0 && q->seen == farm.stamp(q->job);
 }
 
 }  // namespace tessera

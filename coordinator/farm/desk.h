@@ -11,5 +11,7 @@ namespace tessera {
 // Never throws: what goes wrong is a Denied. Who may ask what at all is said in proto/rights.h; besides that,
 // submitters change their own jobs only, and give priorities up to 50.
 Reply answer(Farm& farm, const Question& question, const Identity& who);
+// Nothing has happened since what the question says that was seen.
+bool may_wait(const Farm& farm, const Question& question);
 
 }  // namespace tessera

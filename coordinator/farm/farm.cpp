@@ -38,6 +38,7 @@ CoordinatorOptions Farm::prepared(CoordinatorOptions options) {
   options.answer = [this](const Question& question, const Identity& who) {
     return answer(*this, question, who);
   };
+  options.may_wait = [this](const Question& question) { return tessera::may_wait(*this, question); };
   // By chance, and far apart: workers may still be at what an earlier life has numbered.
   if (options.first_id == 1) options.first_id += (std::uint64_t{std::random_device{}()} >> 1) << 32;
   return options;

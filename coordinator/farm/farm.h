@@ -65,6 +65,7 @@ class Farm {
 
   JobRecord record(const JobName& name);  // throws Error(bad_input) if there is none
   JobSummary summary(const JobRecord& record);
+  std::uint64_t stamp(const JobName& name) const;  // see JobDetail
   // `previews`: somebody wants those of frames under way.
   std::vector<FrameSummary> frames(const JobRecord& record, std::uint32_t from, std::size_t most,
                                    bool previews);
@@ -92,9 +93,10 @@ class Farm {
   StillToDo look_for_work(OpenJob& job, std::map<std::size_t, std::shared_ptr<const Image>>& histories);
   void ended(const JobName& name, std::size_t frame, JobReport report);
   void file_next();
-  void settle(OpenJob& job, std::size_t place);
   void file_as(Digest& blob, const Written::File& file);
-  void save(const OpenJob& job);
+  void settle(OpenJob& job, std::size_t place);
+  void save(OpenJob& job);
+  void changed(OpenJob& job);
   void collect();
   void file_failed(OpenJob& job, std::size_t place, const JobReport& report);
   void look_at_files(const OpenJob& job, const std::string& reason);

@@ -162,6 +162,11 @@ JobRecord Farm::record(const JobName& name) {
   throw InputError("job " + name, "is not known here", "what tessera jobs lists");
 }
 
+std::uint64_t Farm::stamp(const JobName& name) const {
+  const auto found = open_.find(name);
+  return found == open_.end() ? 0 : found->second.stamp;
+}
+
 JobSummary Farm::summary(const JobRecord& r) {
   JobSummary s{.number = r.number,
                .job = r.job,

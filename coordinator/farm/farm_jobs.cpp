@@ -58,6 +58,7 @@ void Farm::open(const JobRecord& record) {
   OpenJob job{.record = record, .submission = decode_submission(store_.blobs().read(record.submission))};
   job.bytes = bytes_of(job.submission);
   job.seconds_before = record.seconds;
+  job.stamp = static_cast<std::uint64_t>(unix_ms());  // none that an earlier life told
   if (job.record.state == JobState::active) job.record.state = JobState::queued;
   queue_.add({.number = record.number,
               .job = record.job,
@@ -186,13 +187,13 @@ void Farm::look_at_files(const OpenJob& job, const std::string& reason) {
     }
 }
 
-// What the clerk has written becomes the frame's image; kept for another try if the disk is full.
 void Farm::file_as(Digest& blob, const Written::File& file) {
   if (!blob.empty()) return;  // an earlier try came so far
   store_.blobs().put_file(file.path, file.seal);
   blob = file.seal;
 }
 
+// What the clerk has written becomes the frame's image; kept for another try if the disk is full.
 void Farm::file_next() {
   Written& written = unfiled_.front();
   const auto found = open_.find(written.of.job);
@@ -230,8 +231,17 @@ void Farm::settle(OpenJob& job, std::size_t place) {
   save(job);
 }
 
-void Farm::save(const OpenJob& job) try { store_.save(job.record); } catch (const Error& e) {
+void Farm::save(OpenJob& job) try {
+  changed(job);
+  store_.save(job.record);
+} catch (const Error& e) {
   have_trouble(e.what());
+}
+
+// Those who wait for it are told.
+void Farm::changed(OpenJob& job) {
+  ++job.stamp;
+  coordinator_.news();
 }
 
 double Farm::seconds_of(const OpenJob& job) const {

@@ -8,7 +8,10 @@
 namespace tessera {
 
 void Farm::draw_previews(Instant now) {
-  for (Drawn& drawn : clerk_.drawn()) previews_.made({drawn.job, drawn.place}, std::move(drawn.png));
+  for (Drawn& drawn : clerk_.drawn()) {
+    previews_.made({drawn.job, drawn.place}, std::move(drawn.png));
+    if (const auto job = open_.find(drawn.job); job != open_.end()) changed(job->second);
+  }
   for (const Previews::Key& which : previews_.due(now)) draw_preview(which, now);
 }
 

@@ -22,7 +22,8 @@ double bytes_of(const Submission&);
 struct OpenJob {
   JobRecord record;
   Submission submission;
-  double bytes = 0;  // of memory that its frames take while they are worked on
+  double bytes = 0;         // of memory that its frames take while they are worked on
+  std::uint64_t stamp = 1;  // see JobDetail
 
   // From here on only of one that was begun in this life.
   std::optional<ShotId> shot;          // being worked on

@@ -203,6 +203,33 @@ TEST_F(Service, ShowsAFrameUnderWayWhileSomebodyLooks) {
   EXPECT_TRUE(std::holds_alternative<Denied>(ask(GetPiece{preview}))) << "it is not kept";
 }
 
+TEST_F(Service, HoldsAnAnswerUntilThereIsSomethingNew) {
+  submit("one", submission());
+  farm().turn(clock_now());
+  const std::uint64_t seen = std::get<JobDetail>(ask(ShowJob{"one"})).stamp;
+  const Question question = ShowJob{"one", 0, false, seen};
+  EXPECT_TRUE(may_wait(farm(), question));
+  EXPECT_FALSE(may_wait(farm(), ShowJob{"one"}));  // asks for the first time
+  EXPECT_FALSE(may_wait(farm(), ShowJob{"none", 0, false, seen}));
+
+  ZmqDealer dealer(context_, address_, "ada");
+  dealer.await(clock_now() + std::chrono::seconds(10));
+  dealer.send("coordinator", Ask{1, question});
+  ask(Control{"one", Verb::pause});
+  EXPECT_FALSE(may_wait(farm(), question));
+  std::optional<Mail> mail;
+  ASSERT_TRUE(comes([&] { return (mail = dealer.receive(clock_now())).has_value(); }));
+  const auto detail = std::get<JobDetail>(std::get<Answer>(mail->message).reply);
+  EXPECT_EQ(detail.summary.state, JobState::paused);
+  EXPECT_NE(detail.stamp, seen);
+
+  dealer.send("coordinator", Ask{2, ShowJob{"one", 0, false, detail.stamp}});  // nothing happens any more
+  ASSERT_TRUE(comes([&] { return (mail = dealer.receive(clock_now())).has_value(); }));
+  EXPECT_EQ(std::get<Answer>(mail->message).number, 2u);
+  ask(Control{"one", Verb::cancel});
+  EXPECT_EQ(std::get<JobDetail>(ask(ShowJob{"one"})).stamp, 0u);
+}
+
 TEST_F(Service, HasTasksDoneAgainElsewhereAndComparesBits) {
   farm();
   hire(2, runner());

@@ -165,7 +165,7 @@ TEST(QuestionCodec, NumbersOfQuestionsOutOfRangeAreRefused) {
   EXPECT_THAT(asked(Control{"j", Verb::verify, 0}), StartsWith("message: value"));
   EXPECT_THAT(asked(Control{"j", Verb::verify, 1'000'001}), StartsWith("message: value"));
   EXPECT_THAT(asked(Control{"j", Verb::cancel, 1}), StartsWith("message: value"));
-  EXPECT_THAT(asked(Control{"j", static_cast<Verb>(5), 0}), StartsWith("message: verb"));
+  EXPECT_THAT(asked(Control{"j", static_cast<Verb>(6), 0}), StartsWith("message: verb"));
 }
 
 TEST(QuestionCodec, NumbersOfJobsOutOfRangeAreRefused) {

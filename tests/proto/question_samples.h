@@ -17,7 +17,7 @@ inline std::vector<Question> sample_questions() {
           GetPiece{b, 1ull << 33},
           Submit{"shot.12-b", a},
           ListJobs{7},
-          ShowJob{"shot.12-b", 256, true},
+          ShowJob{"shot.12-b", 256, true, 77},
           ListEvents{"shot.12-b", 1ull << 40},
           Control{"shot.12-b", Verb::set_priority, 99},
           Control{"shot.12-b", Verb::verify, 12},
@@ -82,7 +82,7 @@ inline std::vector<Reply> sample_replies() {
           Lacking{{{a, 1ull << 34}, {b, 0}}},
           Piece{a, 1ull << 35, 1ull << 34, std::string("pie\0ce", 6)},
           JobList{{sample_summary(), sample_summary()}},
-          JobDetail{sample_summary(), 256, {sample_frame(), sample_frame()}},
+          JobDetail{sample_summary(), 256, {sample_frame(), sample_frame()}, 77},
           EventList{{{5, 1'700'000'000'123, "frame 3 is there"}}},
           WorkerList{{sample_worker()}},
           Denied{ExitCode::job_failed, "there is no such job"}};
