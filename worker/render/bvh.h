@@ -10,10 +10,9 @@
 
 #include "core/sha256.h"
 #include "worker/render/geometry.h"
+#include "worker/render/wide.h"
 
 namespace tessera::tracer {
-
-inline constexpr int kLanes = 16;  // rays of a packet: one 4x4 block of pixels
 
 inline constexpr float kFar = std::numeric_limits<float>::infinity();  // of a ray without end
 
@@ -24,13 +23,29 @@ struct RayTraits {
   std::uint32_t seed = 0;  // decides which part of half-transparent surfaces is there for this ray
 };
 
+// Rays of one kind side by side.
+struct WideRays {
+  const Wide3 &origin, &direction;
+  const Wide& far;
+  const Wide& time;  // as in RayTraits
+  RayKind kind;
+  const WideInt& seed;  // as in RayTraits
+};
+
 // Rays side by side, as Embree takes them. Unset lanes hold anything.
 struct alignas(64) Packet {
   RTCRayHit16 r;
   alignas(64) int active[kLanes];  // -1 or 0
 
   void set(int lane, const Vec3& origin, const Vec3& direction, float far, const RayTraits& traits = {});
+  // These lanes, and no other, are active from now on.
+  void set(const Mask& lanes, const WideRays&);
   bool hit(int lane) const { return r.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID; }
+  Mask hit() const {
+    WideInt geometry;
+    std::memcpy(&geometry, r.hit.geomID, sizeof geometry);
+    return geometry != static_cast<std::int32_t>(RTC_INVALID_GEOMETRY_ID);
+  }
   Hit at(int lane) const;
   float distance(int lane) const { return r.ray.tfar[lane]; }
 };
@@ -40,7 +55,9 @@ struct alignas(64) ShadowPacket {
   alignas(64) int active[kLanes];
 
   void set(int lane, const Vec3& origin, const Vec3& direction, float far, const RayTraits& traits = {});
+  void set(const Mask& lanes, const WideRays&);
   bool occluded(int lane) const { return r.tfar[lane] < 0; }
+  Mask occluded() const { return load(r.tfar) < 0; }
 };
 
 // No lane is active any more.
@@ -116,6 +133,34 @@ inline void Packet::set(int lane, const Vec3& origin, const Vec3& direction, flo
   r.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
   r.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
   active[lane] = -1;
+}
+
+inline void set_rays(RTCRay16& r, const WideRays& rays) {
+  store(rays.origin.x, r.org_x);
+  store(rays.origin.y, r.org_y);
+  store(rays.origin.z, r.org_z);
+  store(Wide{}, r.tnear);
+  store(rays.direction.x, r.dir_x);
+  store(rays.direction.y, r.dir_y);
+  store(rays.direction.z, r.dir_z);
+  store(rays.time, r.time);
+  store(rays.far, r.tfar);
+  store(wide(std::int32_t{bit(rays.kind)}), r.mask);
+  store(rays.seed, r.id);
+  store(WideInt{}, r.flags);
+}
+
+inline void Packet::set(const Mask& lanes, const WideRays& rays) {
+  set_rays(r.ray, rays);
+  const WideInt none = wide(static_cast<std::int32_t>(RTC_INVALID_GEOMETRY_ID));
+  store(none, r.hit.geomID);
+  store(none, r.hit.instID[0]);
+  store(lanes, active);
+}
+
+inline void ShadowPacket::set(const Mask& lanes, const WideRays& rays) {
+  set_rays(r, rays);
+  store(lanes, active);
 }
 
 inline Hit Packet::at(int lane) const {

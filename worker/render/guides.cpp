@@ -38,13 +38,15 @@ void Guides::vector_part(int at, int lane, const Vec3& v, SampleBlock& out) cons
   for (int c = 0; c < 3; ++c) out.channel(Aov::sample_vectors, at + c)[static_cast<std::size_t>(lane)] = v[c];
 }
 
-void Guides::first_hit(const Path& path, int lane, SampleBlock& out) const {
+void Guides::first_hit(const Paths& paths, int lane, SampleBlock& out) const {
+  const Path& path = paths.lane[static_cast<std::size_t>(lane)];
+  const Vec3 normal = paths.normal.at(lane);
   out.hit[static_cast<std::size_t>(lane)] = 1;
-  const Color reflectance = albedo_ ? albedo(path.bsdf) : Color(0, 0, 0);
+  const Color reflectance = albedo_ ? paths.albedo(lane) : Color(0, 0, 0);
   out.set(Aov::albedo, lane, reflectance);
-  out.set(Aov::normal, lane, path.bsdf.frame.z);
+  out.set(Aov::normal, lane, normal);
   out.set(Aov::position, lane, path.surface.position);
-  if (out.has(Aov::depth)) out.set(Aov::depth, lane, views_.now.depth(path.surface.position, path.ray.time));
+  if (out.has(Aov::depth)) out.set(Aov::depth, lane, views_.now.depth(path.surface.position, path.time));
   if (!object_mattes_.empty())
     if (const int object = scene_.geometry().object(path.hit); object >= 0)
       out.set(Aov::object_matte, lane, object_mattes_[static_cast<std::size_t>(object)]);
@@ -52,46 +54,49 @@ void Guides::first_hit(const Path& path, int lane, SampleBlock& out) const {
     out.set(Aov::material_matte, lane, material_mattes_[static_cast<std::size_t>(path.surface.material)]);
   if (!vectors_) return;
   vector_part(SampleVector::position, lane, path.surface.position, out);
-  vector_part(SampleVector::normal, lane, path.bsdf.frame.z, out);
+  vector_part(SampleVector::normal, lane, normal, out);
   vector_part(SampleVector::albedo, lane, reflectance, out);
 }
 
-void Guides::sky(const Path& path, int lane, SampleBlock& out) const {
-  const Vec3 far = path.origin + path.direction * scene_.diameter();
+void Guides::sky(const Paths& paths, int lane, SampleBlock& out) const {
+  const Vec3 far = paths.origin.at(lane) + paths.direction.at(lane) * scene_.diameter();
   out.set(Aov::albedo, lane, Vec3(1, 1, 1));
   out.set(Aov::position, lane, far);
   if (vectors_) vector_part(SampleVector::position, lane, far, out);
 }
 
-void Guides::caught(const Path& path, int lane, float shadow, SampleBlock& out) const {
+void Guides::caught(const Paths& paths, int lane, float shadow, SampleBlock& out) const {
+  const Path& path = paths.lane[static_cast<std::size_t>(lane)];
   out.set(Aov::albedo, lane, Vec3(1, 1, 1));
   if (vectors_) vector_part(SampleVector::albedo, lane, Vec3(1, 1, 1), out);
   out.hit[static_cast<std::size_t>(lane)] = shadow;
   if (out.has(Aov::depth))
-    out.set(Aov::depth, lane, shadow * views_.now.depth(path.surface.position, path.ray.time));
+    out.set(Aov::depth, lane, shadow * views_.now.depth(path.surface.position, path.time));
   if (shadow > 0) return;
   out.set(Aov::object_matte, lane, 0.0f);
   out.set(Aov::material_matte, lane, 0.0f);
 }
 
-void Guides::first_bounce(const Path& path, int lane, SampleBlock& out) const {
-  out.set(Aov::bounce, lane, path.direction);
-  if (vectors_) vector_part(SampleVector::bounce, lane, path.direction, out);
+void Guides::first_bounce(const Paths& paths, int lane, SampleBlock& out) const {
+  out.set(Aov::bounce, lane, paths.direction.at(lane));
+  if (vectors_) vector_part(SampleVector::bounce, lane, paths.direction.at(lane), out);
 }
 
-void Guides::later_hit(Path& path, int lane, int bounce, SampleBlock& out) const {
+void Guides::later_hit(Paths& paths, int lane, int bounce, SampleBlock& out) const {
+  Path& path = paths.lane[static_cast<std::size_t>(lane)];
   if (bounce == 0 && vectors_) {
     vector_part(SampleVector::position2, lane, path.surface.position, out);
-    vector_part(SampleVector::normal2, lane, path.bsdf.frame.z, out);
+    vector_part(SampleVector::normal2, lane, paths.normal.at(lane), out);
   }
-  if (!path.texture2 || !out.has(Aov::texture2) || !has_diffuse(path.bsdf)) return;
-  out.set(Aov::texture2, lane, albedo(path.bsdf));
+  if (!path.texture2 || !out.has(Aov::texture2) || !paths.has_diffuse(lane)) return;
+  out.set(Aov::texture2, lane, paths.albedo(lane));
   path.texture2 = false;
 }
 
-void Guides::sample(int lane, const Path& path, const Color& color, const Vec2& screen, const Vec2& lens,
+void Guides::sample(int lane, const Paths& paths, const Color& color, const Vec2& screen, const Vec2& lens,
                     SampleBlock& out) const {
-  out.set(Aov::shading, lane, path.vertices > 0 ? path.sent / static_cast<float>(path.vertices) : path.sent);
+  const float vertices = paths.vertices[lane], sent = paths.sent[lane];
+  out.set(Aov::shading, lane, vertices > 0 ? sent / vertices : sent);
   const auto i = static_cast<std::size_t>(lane);
   for (int c = 0; c < 3; ++c) {
     if (out.has(Aov::histogram))
@@ -104,7 +109,7 @@ void Guides::sample(int lane, const Path& path, const Color& color, const Vec2& 
   put(SampleVector::screen + 1, screen.y);
   put(SampleVector::lens, lens.x);
   put(SampleVector::lens + 1, lens.y);
-  put(SampleVector::time, path.ray.time);
+  put(SampleVector::time, paths.lane[i].time);
   vector_part(SampleVector::color, lane, color, out);
 }
 

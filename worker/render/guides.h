@@ -23,19 +23,20 @@ class Guides {
   // All are borrowed and must outlive this.
   Guides(const RenderScene& scene, AovSet aovs, const Views& views);
 
-  // Of the camera ray of path `lane`: what it hit (surface and bsdf are there), or that it hit nothing.
-  void first_hit(const Path& path, int lane, SampleBlock& out) const;
-  void sky(const Path& path, int lane, SampleBlock& out) const;
+  // Of the camera ray of path `lane`: what it hit (surface and scattering are there), or that it hit nothing.
+  void first_hit(const Paths& paths, int lane, SampleBlock& out) const;
+  void sky(const Paths& paths, int lane, SampleBlock& out) const;
   // Instead of what first_hit() said of a shadow catcher: it is the backdrop, covered by `shadow` (0..1).
-  void caught(const Path& path, int lane, float shadow, SampleBlock& out) const;
+  void caught(const Paths& paths, int lane, float shadow, SampleBlock& out) const;
   // The path left the first hit, along its direction.
-  void first_bounce(const Path& path, int lane, SampleBlock& out) const;
+  void first_bounce(const Paths& paths, int lane, SampleBlock& out) const;
   // The path hit something after scattering `bounce` + 1 times. Closes its search for texture2 if this is it.
-  void later_hit(Path& path, int lane, int bounce, SampleBlock& out) const;
+  void later_hit(Paths& paths, int lane, int bounce, SampleBlock& out) const;
   // The sample as a whole; `screen` in pixels, `lens` as the camera got it.
-  void sample(int lane, const Path& path, const Color& color, const Vec2& screen, const Vec2& lens,
+  void sample(int lane, const Paths& paths, const Color& color, const Vec2& screen, const Vec2& lens,
               SampleBlock& out) const;
 
+  bool takes_bounces(const SampleBlock& out) const { return vectors_ || out.has(Aov::bounce); }
   bool samples_points() const { return points_; }
   // The point-sampled channels of a block: by rays through the pixels' centres, without lens, at the middle
   // of the shutter. Uses `rays`.

@@ -10,10 +10,6 @@ namespace {
 // between them the mean over the samples smooths.
 constexpr float kPixelShare = 0.25f;
 
-// How much of the angle of a bundle of rays, one a sample, the cone of one ray is made: pictures seen by
-// reflection may blur that much.
-constexpr float kConeShare = 0.1f;
-
 Views views_of(const RenderScene& scene, const RenderSettings& settings, int frame) {
   const Scene& s = scene.scene();
   const Camera& camera = s.cameras[camera_index(s, settings.camera)];
@@ -62,10 +58,9 @@ void Integrator::trace(const BlockKeys& block, int sample, SampleBlock& out) {
   for (int lane = 0; lane < kLanes; ++lane) rays_.hit(lane) ? first_hit(turn, lane, out) : sky(lane, out);
   for (int bounce = 0; bounce <= settings_.max_bounces; ++bounce) {
     if (!ready_vertices(turn, bounce)) break;
-    clear(rays_);
-    clear(shadows_);
-    for (int lane = 0; lane < kLanes; ++lane)
-      if (paths_[static_cast<std::size_t>(lane)].alive) scatter(turn, lane, bounce, out);
+    const Mask others = paths_.alive & ~paths_.lambert;
+    scatter_lambert(turn, bounce, out);
+    each_lane(others, [&](int lane) { scatter(turn, lane, bounce, out); });
     collect_light(bounce, out);
     next_hits(bounce, out);
   }
@@ -75,12 +70,21 @@ void Integrator::trace(const BlockKeys& block, int sample, SampleBlock& out) {
 
 RayTraits Integrator::traits(const Turn& turn, int lane, int bounce, RayKind kind) const {
   const auto i = static_cast<std::size_t>(lane);
-  RayTraits t{paths_[i].ray.time, kind, 0};
+  RayTraits t{paths_.lane[i].time, kind, 0};
   if (scene_.blends())
     t.seed = static_cast<std::uint32_t>(
         mixed(turn.keys[i] ^ (static_cast<std::uint64_t>(turn.sample) << 32 |
                               static_cast<std::uint32_t>(4 * bounce + static_cast<int>(kind)))));
   return t;
+}
+
+WideInt Integrator::seeds(const Turn& turn, const Mask& lanes, int bounce, RayKind kind) const {
+  WideInt all{};
+  if (scene_.blends())
+    each_lane(lanes, [&](int lane) {
+      all[lane] = static_cast<std::int32_t>(traits(turn, lane, bounce, kind).seed);
+    });
+  return all;
 }
 
 // Where the sample in hand lies, in pixels.
@@ -97,36 +101,27 @@ void Integrator::start(const Turn& turn) {
   if (moving_) time_.draw(turn.keys, turn.index, kTimeSet);
   for (int lane = 0; lane < kLanes; ++lane) {
     const auto i = static_cast<std::size_t>(lane);
-    Path& path = paths_[i];
-    path.ray.time = moving_ ? time_.x[i] : 0;
-    path.ray = traits(turn, lane, 0, RayKind::camera);
+    Path& path = paths_.lane[i];
+    path.time = moving_ ? time_.x[i] : 0;
+    path.texture2 = true;
     const Vec2 at = screen(turn.block, i);
-    const Ray ray = camera.ray(at.x, at.y, camera.has_lens() ? lens_[i] : Vec2(0, 0), path.ray.time);
-    path.origin = ray.origin;
-    path.direction = ray.direction;
-    path.throughput = Color(1, 1, 1);
-    path.radiance_scale = 1;
-    path.diffuse_share = path.absorption = Color(0, 0, 0);
-    path.width = kPixelShare * camera.footprint();
-    path.spread = kPixelShare * camera.spread();
-    path.left = {};
-    path.direct = path.indirect = path.emission = Color(0, 0, 0);
-    path.sent = 0;
-    path.vertices = 0;
-    path.alive = path.texture2 = true;
-    path.waits = path.rough = false;
-    rays_.set(lane, ray.origin, ray.direction, kFar, path.ray);
+    const Ray ray = camera.ray(at.x, at.y, camera.has_lens() ? lens_[i] : Vec2(0, 0), path.time);
+    paths_.origin.set(lane, ray.origin);
+    paths_.direction.set(lane, ray.direction);
   }
+  paths_.begin();
+  paths_.width = wide(kPixelShare * camera.footprint());
+  paths_.spread = wide(kPixelShare * camera.spread());
+  rays_time_ = moving_ ? load(time_.x.data()) : Wide{};
+  rays_.set(paths_.alive, {paths_.origin, paths_.direction, wide(kFar), rays_time_, RayKind::camera,
+                           seeds(turn, paths_.alive, 0, RayKind::camera)});
 }
 
 // Draws the random numbers that the living paths need at their next vertex. False if there are none.
 bool Integrator::ready_vertices(const Turn& turn, int bounce) {
-  bool any = false, lobes = false;
-  for (const Path& path : paths_) {
-    any |= path.alive;
-    lobes |= path.alive && !one_lobe(path.bsdf);
-  }
-  if (!any) return false;
+  if (!any(paths_.alive)) return false;
+  bool lobes = false;
+  each_lane(paths_.alive & ~paths_.lambert, [&](int lane) { lobes |= !one_lobe(path(lane).bsdf); });
   const std::uint32_t set = first_set(bounce);
   const Lights& lights = scene_.lights();
   if (!lights.empty()) light_point_.draw(turn.keys, turn.index, set);
@@ -136,151 +131,154 @@ bool Integrator::ready_vertices(const Turn& turn, int bounce) {
   return true;
 }
 
-void Integrator::ready_bsdf(Path& path) const {
-  path.bsdf = scene_.materials().bsdf(scene_.geometry(), path.hit, path.surface, path.direction);
+void Integrator::ready_scattering(int lane) {
+  Path& path = this->path(lane);
+  const Materials& materials = scene_.materials();
+  const Vec3 direction = paths_.direction.at(lane);
+  const bool lambert = materials.lambert(path.surface.material);
+  paths_.lambert[lane] = lambert ? -1 : 0;
+  if (lambert) {
+    const Materials::Lambert l = materials.lambert(scene_.geometry(), path.hit, path.surface, direction);
+    paths_.position.set(lane, path.surface.position);
+    paths_.side.set(lane, l.ng);
+    paths_.normal.set(lane, l.ns);
+    paths_.reflectance.set(lane, l.reflectance);
+  } else {
+    path.bsdf = materials.bsdf(scene_.geometry(), path.hit, path.surface, direction);
+    paths_.normal.set(lane, path.bsdf.frame.z);
+  }
 }
 
 void Integrator::first_hit(const Turn& turn, int lane, SampleBlock& out) {
-  Path& path = paths_[static_cast<std::size_t>(lane)];
-  ready_bsdf(path);
-  guides_.first_hit(path, lane, out);
+  const Path& path = this->path(lane);
+  ready_scattering(lane);
+  guides_.first_hit(paths_, lane, out);
   const int object = scene_.geometry().object(path.hit);
   if (object >= 0 && scene_.scene().objects[static_cast<std::size_t>(object)].catcher)
     return catch_shadow(turn, lane, out);
   if (path.surface.light >= 0)
-    add(path, lane, -1, arriving(path, scene_.lights().hit({}, path.direction, path.surface)), out);
-  show_unlit(path);
+    add(lane, -1, arriving(lane, scene_.lights().hit({}, paths_.direction.at(lane), path.surface)), out);
+  show_unlit(lane);
 }
 
-// At a vertex: sends a shadow ray to a light, and the path on.
 void Integrator::scatter(const Turn& turn, int lane, int bounce, SampleBlock& out) {
-  Path& path = paths_[static_cast<std::size_t>(lane)];
+  Path& path = this->path(lane);
   const auto i = static_cast<std::size_t>(lane);
-  ++path.vertices;
-  if (!path.bsdf.delta && !scene_.lights().empty()) {
-    path.ray = traits(turn, lane, bounce, RayKind::shadow);
-    ask_light(path, lane);
-  }
-  path.alive = bounce < settings_.max_bounces || scene_.lights().sky_emits() || surfaces_shine();
-  if (!path.alive) return;
+  paths_.vertices[lane] += 1;
+  end(lane);
+  if (!path.bsdf.delta && !scene_.lights().empty())
+    ask_light(lane, traits(turn, lane, bounce, RayKind::shadow));
+  if (bounce == settings_.max_bounces && !scene_.lights().sky_emits() && !surfaces_shine()) return;
   const BsdfSample s = sample(path.bsdf, one_lobe(path.bsdf) ? 0 : which_.x[i], direction_[i]);
-  path.alive = !is_black(s.weight());
-  if (!path.alive) return;
-  go_on(path, s);
-  if (bounce == 0) guides_.first_bounce(path, lane, out);
-  path.alive = survives(path, lane, bounce);
-  if (!path.alive) return;
-  path.ray = traits(turn, lane, bounce, RayKind::scattered);
-  rays_.set(lane, path.origin, s.wi, kFar, path.ray);
+  if (is_black(s.weight())) return;
+  go_on(lane, s);
+  if (bounce == 0) guides_.first_bounce(paths_, lane, out);
+  if (!survives(lane, bounce)) return;
+  paths_.alive[lane] = -1;
+  rays_.set(lane, paths_.origin.at(lane), s.wi, kFar, traits(turn, lane, bounce, RayKind::scattered));
 }
 
-void Integrator::go_on(Path& path, const BsdfSample& s) const {
+void Integrator::go_on(int lane, const BsdfSample& s) {
+  const Path& path = this->path(lane);
   const Color weight = s.weight();
-  path.throughput *= weight;
-  path.radiance_scale *= s.radiance_scale;
-  if (scene_.parts_light())
-    for (int c = 0; c < 3; ++c) path.diffuse_share[c] = weight[c] > 0 ? s.diffuse[c] / weight[c] : 0;
-  if (s.crossed) path.absorption = dot(s.wi, path.surface.ng) < 0 ? path.bsdf.absorption : Color(0, 0, 0);
-  if (s.pdf > 0) {
-    path.rough = true;
-    path.spread += kConeShare / std::sqrt(s.pdf);
+  paths_.throughput.set(lane, paths_.throughput.at(lane) * weight);
+  paths_.radiance_scale[lane] *= s.radiance_scale;
+  if (scene_.parts_light()) {
+    Color share;
+    for (int c = 0; c < 3; ++c) share[c] = weight[c] > 0 ? s.diffuse[c] / weight[c] : 0;
+    paths_.diffuse_share.set(lane, share);
   }
-  path.left = {path.surface.position, path.bsdf.frame.z, s.pdf};
-  path.direction = s.wi;
-  path.origin = leaving(path.surface, s.wi);
+  if (s.crossed)
+    paths_.absorption.set(lane, dot(s.wi, path.surface.ng) < 0 ? path.bsdf.absorption : Color(0, 0, 0));
+  if (s.pdf > 0) {
+    paths_.rough[lane] = -1;
+    paths_.spread[lane] += kConeShare / std::sqrt(s.pdf);
+  }
+  paths_.leave(lane, {path.surface.position, path.bsdf.frame.z, s.pdf});
+  paths_.direction.set(lane, s.wi);
+  paths_.origin.set(lane, leaving(path.surface, s.wi));
 }
 
 bool Integrator::surfaces_shine() const { return scene_.lights().surfaces_emit() || scene_.shows_unlit(); }
 
 // Russian roulette on what the path can still carry.
-bool Integrator::survives(Path& path, int lane, int bounce) const {
+bool Integrator::survives(int lane, int bounce) {
   if (bounce < settings_.sure_bounces || bounce == settings_.max_bounces) return true;
+  const Color throughput = paths_.throughput.at(lane);
   // The root of what is carried: on a scene of mostly diffuse bounces the least error for the time.
-  const float chance = std::sqrt(max_component(path.throughput) / path.radiance_scale);
+  const float chance = std::sqrt(max_component(throughput) / paths_.radiance_scale[lane]);
   if (chance >= 1) return true;
   if (roulette_.x[static_cast<std::size_t>(lane)] >= chance) return false;
-  path.throughput *= 1.0f / chance;
+  paths_.throughput.set(lane, throughput * (1.0f / chance));
   return true;
 }
 
 void Integrator::next_hits(int bounce, SampleBlock& out) {
+  if (!any(paths_.alive)) return;
   if (bounce == settings_.max_bounces && !surfaces_shine()) return last_hits(bounce, out);
   scene_.bvh().intersect(rays_);
   find_surfaces();
-  for (int lane = 0; lane < kLanes; ++lane)
-    if (paths_[static_cast<std::size_t>(lane)].alive) arrive(lane, bounce, out);
+  each_lane(paths_.alive, [&](int lane) { arrive(lane, bounce, out); });
 }
 
 // What is hit does not matter any more, only whether the sky is seen.
 void Integrator::last_hits(int bounce, SampleBlock& out) {
-  clear(shadows_);
-  bool any = false;
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const Path& path = paths_[static_cast<std::size_t>(lane)];
-    if (!path.alive) continue;
-    shadows_.set(lane, path.origin, path.direction, kFar, path.ray);
-    any = true;
-  }
-  if (!any) return;
+  shadows_.r = rays_.r.ray;
+  store(paths_.alive, shadows_.active);
   scene_.bvh().occluded(shadows_);
-  for (int lane = 0; lane < kLanes; ++lane) {
-    Path& path = paths_[static_cast<std::size_t>(lane)];
-    if (path.alive && !shadows_.occluded(lane)) find_sky(path, lane, bounce, out);
-  }
+  each_lane(paths_.alive & ~shadows_.occluded(), [&](int lane) { find_sky(lane, bounce, out); });
 }
 
 // All lanes first, and memory asked before it is needed: the lanes wait for it at the same time then.
 void Integrator::find_surfaces() {
   const Geometry& geometry = scene_.geometry();
-  std::array<std::size_t, kLanes> hits;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < kLanes; ++i) {
-    const int lane = static_cast<int>(i);
-    if (!paths_[i].alive || !rays_.hit(lane)) continue;
-    hits[count++] = i;
-    paths_[i].hit = rays_.at(lane);
-    geometry.prefetch_indices(paths_[i].hit);
-  }
-  for (std::size_t k = 0; k < count; ++k) geometry.prefetch_corners(paths_[hits[k]].hit);
-  for (std::size_t k = 0; k < count; ++k) {
-    Path& path = paths_[hits[k]];
-    const float distance = rays_.distance(static_cast<int>(hits[k]));
-    path.width += path.spread * distance;
-    path.surface = geometry.surface(path.hit, path.origin, path.direction, distance, path.ray.time);
-    path.surface.cone = path.width;
-  }
+  const Mask hits = paths_.alive & rays_.hit();
+  each_lane(hits, [&](int lane) {
+    path(lane).hit = rays_.at(lane);
+    geometry.prefetch_indices(path(lane).hit);
+  });
+  each_lane(hits, [&](int lane) { geometry.prefetch_corners(path(lane).hit); });
+  paths_.width += hits ? paths_.spread * load(rays_.r.ray.tfar) : Wide{};
+  each_lane(hits, [&](int lane) {
+    Path& path = this->path(lane);
+    path.surface = geometry.surface(path.hit, paths_.origin.at(lane), paths_.direction.at(lane),
+                                    rays_.distance(lane), path.time);
+    path.surface.cone = paths_.width[lane];
+  });
 }
 
 // At the end of a ray that was scattered at vertex `bounce`: collects emission, and readies the next vertex.
 void Integrator::arrive(int lane, int bounce, SampleBlock& out) {
-  Path& path = paths_[static_cast<std::size_t>(lane)];
+  const Path& path = this->path(lane);
   if (!rays_.hit(lane)) {
-    find_sky(path, lane, bounce, out);
-    path.alive = false;
-    return;
+    find_sky(lane, bounce, out);
+    return end(lane);
   }
-  if (!is_black(path.absorption)) path.throughput *= attenuation(path.absorption, rays_.distance(lane));
-  if (path.surface.light >= 0)
-    add(path, lane, bounce, arriving(path, scene_.lights().hit(path.left, path.direction, path.surface)),
-        out);
-  show_unlit(path);
-  if (bounce == settings_.max_bounces || !path.alive) return;
-  ready_bsdf(path);
-  if (settings_.regularise > 0 && path.rough) regularise(path.bsdf, settings_.regularise);
-  guides_.later_hit(path, lane, bounce, out);
+  if (const Color absorption = paths_.absorption.at(lane); !is_black(absorption))
+    paths_.throughput.set(lane, paths_.throughput.at(lane) * attenuation(absorption, rays_.distance(lane)));
+  if (path.surface.light >= 0) {
+    const Emitted found = scene_.lights().hit(paths_.left(lane), paths_.direction.at(lane), path.surface);
+    add(lane, bounce, arriving(lane, found), out);
+  }
+  show_unlit(lane);
+  if (bounce == settings_.max_bounces || !alive(lane)) return;
+  ready_scattering(lane);
+  if (settings_.regularise > 0 && paths_.rough[lane] && !paths_.is_lambert(lane))
+    regularise(this->path(lane).bsdf, settings_.regularise);
+  guides_.later_hit(paths_, lane, bounce, out);
 }
 
 void Integrator::finish(const Turn& turn, SampleBlock& out) const {
+  out.valid.fill(1);
   for (int lane = 0; lane < kLanes; ++lane) {
     const auto i = static_cast<std::size_t>(lane);
-    const Path& path = paths_[i];
-    const Color color = path.direct + path.indirect + path.emission;
-    out.valid[i] = 1;
+    const Color direct = paths_.direct.at(lane), indirect = paths_.indirect.at(lane);
+    const Color emission = paths_.emission.at(lane), color = direct + indirect + emission;
     out.set(Aov::color, lane, color);
-    out.set(Aov::direct, lane, path.direct);
-    out.set(Aov::indirect, lane, path.indirect);
-    out.set(Aov::emission, lane, path.emission);
-    guides_.sample(lane, path, color, screen(turn.block, i),
+    out.set(Aov::direct, lane, direct);
+    out.set(Aov::indirect, lane, indirect);
+    out.set(Aov::emission, lane, emission);
+    guides_.sample(lane, paths_, color, screen(turn.block, i),
                    views_.now.has_lens() ? lens_[i] : Vec2(0.5f, 0.5f), out);
     if (!is_finite(color)) out.drop(i);
   }

@@ -224,30 +224,20 @@ Color Materials::base_color(const Material& m, const Geometry& geometry, const H
   return has_vertex_color(geometry, hit) ? textured * rgb(vertex_color(geometry, hit)) : textured;
 }
 
-// What add() makes of a diffuse material without a normal map, the most common one, at a third of the time.
-Bsdf Materials::plain_diffuse(const Geometry& geometry, const Hit& hit, const Surface& s,
-                              const Vec3& direction) const {
+Materials::Lambert Materials::lambert(const Geometry& geometry, const Hit& hit, const Surface& s,
+                                      const Vec3& direction) const {
   const Material& m = (*this)[s.material];
   const Vec3 wo = -direction;
   const bool front = dot(wo, s.ng) >= 0;
   TexturePoint at(s);
   if (m.base_color_texture) at.width = uv_width(s.cone, dot(wo, s.ng), uv_per_metre(geometry, hit));
-  Bsdf b;
-  b.delta = false;
-  b.ng = front ? s.ng : -s.ng;
-  Vec3 ns = front ? s.ns : -s.ns;
-  if (dot(wo, ns) <= 0) ns = bent(ns, b.ng, wo);
-  b.frame = Frame(ns);
-  b.wo = b.frame.to_local(wo);
-  b.lobes.add({.kind = Lobe::Kind::lambert, .color = base_color(m, geometry, hit, at)});
-  return b;
+  Lambert l{front ? s.ng : -s.ng, front ? s.ns : -s.ns, base_color(m, geometry, hit, at)};
+  if (dot(wo, l.ns) <= 0) l.ns = bent(l.ns, l.ng, wo);
+  return l;
 }
 
 Bsdf Materials::bsdf(const Geometry& geometry, const Hit& hit, const Surface& s,
                      const Vec3& direction) const {
-  const Material& m = (*this)[s.material];
-  if (m.kind == Material::Kind::diffuse && !m.normal_texture)
-    return plain_diffuse(geometry, hit, s, direction);
   View view{geometry, hit, s, s, -direction, dot(-direction, s.ng) >= 0};
   if (textured_[static_cast<std::size_t>(s.material)])
     view.at.width = uv_width(s.cone, dot(view.wo, s.ng), uv_per_metre(geometry, hit));

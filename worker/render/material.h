@@ -45,6 +45,17 @@ class Materials {
   // Cycles. Nothing is scattered where the material is unlit.
   Bsdf bsdf(const Geometry&, const Hit&, const Surface&, const Vec3& direction) const;
 
+  // What is most common scatters by Lambert's law and nothing else, and is faster to make than a Bsdf.
+  bool lambert(int material) const {
+    return (*this)[material].kind == Material::Kind::diffuse && !(*this)[material].normal_texture;
+  }
+  struct Lambert {
+    Vec3 ng, ns;  // on the side from which it is seen
+    Color reflectance;
+  };
+  // Precondition: the surface's material is lambert().
+  Lambert lambert(const Geometry&, const Hit&, const Surface&, const Vec3& direction) const;
+
   // Shows a colour whatever the light. In a mix, an unlit material is black.
   bool unlit(int material) const { return (*this)[material].kind == Material::Kind::unlit; }
   // The radiance that an unlit surface shows.
@@ -58,7 +69,6 @@ class Materials {
   float channel(const Texture& texture, std::size_t channel, const TexturePoint& at) const;
   Color tinted(const Color& factor, const Texture& texture, const TexturePoint& at) const;
   Color base_color(const Material&, const Geometry&, const Hit&, const TexturePoint&) const;
-  Bsdf plain_diffuse(const Geometry&, const Hit&, const Surface&, const Vec3& direction) const;
   MaterialPoint at_point(const Material&, const View&) const;
   Vec3 mapped_normal(const Texture&, float scale, const View&) const;
   std::uint8_t facing(const Material&, const Texture&, float scale, View&, Bsdf&) const;

@@ -7,7 +7,7 @@
 #include <array>
 #include <cstdint>
 
-#include "core/scene/scene.h"
+#include "worker/render/wide.h"
 
 namespace tessera::tracer {
 
@@ -84,6 +84,7 @@ struct RandomPairs {
     }
   }
   Vec2 operator[](std::size_t i) const { return {x[i], y[i]}; }
+  Wide2 all() const { return {load(x.data()), load(y.data())}; }
 };
 
 }  // namespace tessera::tracer

@@ -2,6 +2,7 @@
 #include "worker/render/light/lights.h"
 
 #include "worker/render/warp.h"
+#include "worker/render/wide_warp.h"
 
 namespace tessera::tracer {
 namespace {
@@ -104,6 +105,24 @@ LightSample Lights::sample_sun(const Light& light, const Vec2& u) const {
           false,
           sun.radiance,
           1.0f / (2 * kPi * sun.versine)};
+}
+
+WideLightSample Lights::sample_one_sun(const Wide2& u) const {
+  const Sun& sun = suns_.front();
+  const Frame& f = sun.frame;
+  const Wide3 local = cone(u, sun.versine);
+  const auto along = [&](float x, float y, float z) { return x * local.x + y * local.y + z * local.z; };
+  WideLightSample s{
+      .direction = {along(f.x.x, f.y.x, f.z.x), along(f.x.y, f.y.y, f.z.y), along(f.x.z, f.y.z, f.z.z)},
+      .target = {},
+      .infinite = wide(-1),
+      .delta = {},
+      .radiance = wide(sun.radiance),
+      .pdf = wide(1.0f / (2 * kPi * sun.versine)),
+      .diffuse = wide(sun.traits->diffuse),
+      .traits = {}};
+  s.traits.fill(sun.traits);
+  return s;
 }
 
 LightSample Lights::sample_environment(const Vec2& u) const {

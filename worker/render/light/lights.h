@@ -14,6 +14,7 @@
 #include "worker/render/light/points.h"
 #include "worker/render/light/tree.h"
 #include "worker/render/material.h"
+#include "worker/render/wide.h"
 
 namespace tessera::tracer {
 
@@ -26,6 +27,27 @@ struct LightSample {
   Color radiance{0, 0, 0};
   float pdf = 0;  // per steradian, or a probability if it is a point or a sun without extent; 0: no sample
   const LightTraits* traits = nullptr;
+};
+
+// Ways to lights, one a lane; fields as above.
+struct WideLightSample {
+  Wide3 direction, target;
+  Mask infinite, delta;
+  Wide3 radiance;
+  Wide pdf;
+  Wide diffuse;  // of the lights' traits
+  std::array<const LightTraits*, kLanes> traits;
+
+  void set(int lane, const LightSample& s) {
+    direction.set(lane, s.direction);
+    target.set(lane, s.target);
+    infinite[lane] = s.infinite ? -1 : 0;
+    delta[lane] = s.delta ? -1 : 0;
+    radiance.set(lane, s.radiance);
+    pdf[lane] = s.pdf;
+    diffuse[lane] = s.traits->diffuse;
+    traits[static_cast<std::size_t>(lane)] = s.traits;
+  }
 };
 
 // Where a ray was scattered, for the weight of what it finds against sample() there.
@@ -59,6 +81,10 @@ class Lights {
   // A light seen from p, a point with the shading normal n (either side of it). `pick` chooses the light, `u`
   // the point on it; `time` is a share of the shutter.
   LightSample sample(const Vec3& p, const Vec3& n, float pick, const Vec2& u, float time = 0) const;
+
+  // If all that sample() ever picks is one sun that has an extent: the same for many points at once.
+  bool one_sun() const { return near_.empty() && far_.size() == 1 && suns_.size() == 1; }
+  WideLightSample sample_one_sun(const Wide2& u) const;  // precondition: one_sun()
 
   // What a scattered ray finds that hits nothing: calls collect(Emitted) for the environment and for each sun
   // in that direction. Suns without extent cannot be hit.
