@@ -229,21 +229,39 @@ void Integrator::last_hits(int bounce, SampleBlock& out) {
   each_lane(paths_.alive & ~shadows_.occluded(), [&](int lane) { find_sky(lane, bounce, out); });
 }
 
-// All lanes first, and memory asked before it is needed: the lanes wait for it at the same time then.
+// All lanes first, and memory asked before it is needed: the lanes wait for it at the same time then. What
+// most triangles are in the world is found side by side.
 void Integrator::find_surfaces() {
   const Geometry& geometry = scene_.geometry();
-  const Mask hits = paths_.alive & rays_.hit();
+  Paths& p = paths_;
+  const Mask hits = p.alive & rays_.hit();
   each_lane(hits, [&](int lane) {
     path(lane).hit = rays_.at(lane);
-    geometry.prefetch_indices(path(lane).hit);
+    geometry.prefetch(path(lane).hit);
   });
   each_lane(hits, [&](int lane) { geometry.prefetch_corners(path(lane).hit); });
-  paths_.width += hits ? paths_.spread * load(rays_.r.ray.tfar) : Wide{};
+  p.width += hits ? p.spread * load(rays_.r.ray.tfar) : Wide{};
+  Wide3 a{}, b{}, c{};
+  Mask found{};
+  each_lane(hits, [&](int lane) {
+    const Corners* corners = geometry.corners(path(lane).hit);
+    if (!corners) return;
+    found[lane] = -1;
+    a.set(lane, (*corners)[0]);
+    b.set(lane, (*corners)[1]);
+    c.set(lane, (*corners)[2]);
+  });
+  const Wide u = load(rays_.r.hit.u), v = load(rays_.r.hit.v);
+  p.position = a * (1.0f - u - v) + b * u + c * v;
+  const Wide3 ng = unit_or(cross(b - a, c - a), -p.direction);
   each_lane(hits, [&](int lane) {
     Path& path = this->path(lane);
-    path.surface = geometry.surface(path.hit, paths_.origin.at(lane), paths_.direction.at(lane),
-                                    rays_.distance(lane), path.time);
-    path.surface.cone = paths_.width[lane];
+    if (found[lane])
+      geometry.surface_at(path.hit, p.position.at(lane), ng.at(lane), path.time, path.surface);
+    else
+      path.surface = geometry.surface(path.hit, p.origin.at(lane), p.direction.at(lane), rays_.distance(lane),
+                                      path.time);
+    path.surface.cone = p.width[lane];
   });
 }
 

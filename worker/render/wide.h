@@ -98,6 +98,15 @@ inline Wide3 chosen(const Mask& m, const Wide3& a, const Wide3& b) {
   return {m ? a.x : b.x, m ? a.y : b.y, m ? a.z : b.z};
 }
 
+inline Wide3 cross(const Wide3& a, const Wide3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline Wide3 unit_or(const Wide3& v, const Wide3& otherwise) {
+  const Wide largest = greater(greater(absolute(v.x), absolute(v.y)), absolute(v.z));
+  const Wide3 scaled = v * (1.0f / largest);
+  return chosen(largest > 0, scaled * (1.0f / root(dot(scaled, scaled))), otherwise);
+}
+
 // As Frame, one a lane.
 struct WideFrame {
   Wide3 x, y, z;

@@ -36,6 +36,48 @@ TEST(Geometry, TheFrontStaysTheFrontInAMirroredInstance) {
     }
 }
 
+// What keeps its corners is found by them, the same mesh in an instance that leaves it in its place is not.
+TEST(Geometry, ASurfaceIsTheSameByTheCornersThatAreKept) {
+  Scene scene;
+  add_material(scene, {});
+  Mesh mesh = tent(0);
+  for (const Vec3& n : {Vec3(-1, 1, 1), Vec3(1, 1, 1), Vec3(0, 1, -1), Vec3(0, 3, 0)})
+    mesh.normals.push_back(n);
+  for (const Vec3& p : mesh.positions) {
+    mesh.uvs.emplace_back(p.x, p.z);
+    mesh.uvs2.emplace_back(p.z, 3 * p.x);
+  }
+  add_mesh(scene, mesh);
+  scene.instances.push_back({0, Matrix().translate(Vec3(0, 1e-30f, 0))});
+  const Geometry geometry(scene);
+  EXPECT_EQ(geometry.corners({1, 0, 0, 0}), nullptr);
+  for (std::uint32_t t = 0; t < 3; ++t) {
+    const Hit hit{0, t, 0.3f, 0.45f};
+    const Corners* corners = geometry.corners(hit);
+    ASSERT_NE(corners, nullptr);
+    EXPECT_EQ(*corners, geometry.triangle(0, t).p);
+    const Surface expected = geometry.surface({1, t, 0.3f, 0.45f}, {0, 9, 0}, {0, -1, 0}, 8.5f, 0.25f);
+    Surface s = geometry.surface({1, (t + 1) % 3, 0.1f, 0.1f}, {0, 9, 0}, {0, -1, 0}, 8.5f);
+    geometry.surface_at(hit, expected.position, expected.ng, 0.25f, s);
+    EXPECT_LT(length(s.ns - expected.ns), 1e-6f);
+    EXPECT_EQ(s.uv, expected.uv);
+    EXPECT_EQ(s.uv2, expected.uv2);
+    EXPECT_EQ(s.material, expected.material);
+    EXPECT_EQ(s.time, expected.time);
+    EXPECT_EQ(s.light, -1);
+  }
+}
+
+TEST(Geometry, WhatEmitsIsNotFoundByItsCorners) {
+  Scene scene;
+  add_material(scene, {.emission = Color(1, 1, 1)});
+  add_mesh(scene, tent(0));
+  Geometry geometry(scene);
+  const Materials materials(scene);
+  const Lights lights(scene, geometry, materials, 1);
+  EXPECT_EQ(geometry.corners({0, 0, 0, 0}), nullptr);
+}
+
 TEST(Geometry, AnOffsetOriginIsBeyondTheSurfaceOnTheSideOfTheNormal) {
   Random random(4);
   for (int i = 0; i < 10000; ++i) {
