@@ -83,6 +83,13 @@ Ray CameraRays::ray(float x, float y, const Vec2& lens, float time) const {
   return {a.origin + start, unit((a.forward + aside) * focus_distance_ - start)};
 }
 
+WideRay CameraRays::pinhole_rays(const Wide2& pixels) const {
+  const Axes& a = steps_[0];
+  const Wide x = pixels.x * scale_.x + shift_.x, y = pixels.y * scale_.y + shift_.y;
+  const Wide3 way = wide(a.forward) + wide(a.right) * x + wide(a.up) * y;
+  return {wide(a.origin), way * (1.0f / root(dot(way, way)))};
+}
+
 Ray CameraRays::central_ray(float x, float y, float time) const {
   const Axes a = steps_.size() == 1 ? steps_[0] : axes(time);
   if (projection_ == Camera::Projection::panorama) {

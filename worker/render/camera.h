@@ -7,12 +7,16 @@
 #include <vector>
 
 #include "core/region.h"
-#include "worker/render/vector_math.h"
+#include "worker/render/wide.h"
 
 namespace tessera::tracer {
 
 struct Ray {
   Vec3 origin, direction;  // unit
+};
+
+struct WideRay {
+  Wide3 origin, direction;
 };
 
 class CameraRays {
@@ -23,6 +27,9 @@ class CameraRays {
 
   // (x, y) in pixels of the frame, y down; `lens` in [0, 1)^2; `time` in [0, 1]: from open to close.
   Ray ray(float x, float y, const Vec2& lens, float time) const;
+  // The same for a packet where rays differ by their pixels alone.
+  bool pinhole() const { return projection_ == Camera::Projection::perspective && !moves() && !has_lens(); }
+  WideRay pinhole_rays(const Wide2& pixels) const;  // precondition: pinhole()
   // As without a lens: through the lens' centre.
   Ray central_ray(float x, float y, float time) const;
   Vec3 origin(float time) const { return (steps_.size() == 1 ? steps_[0] : axes(time)).origin; }

@@ -94,22 +94,39 @@ Vec2 Integrator::screen(const BlockKeys& block, std::size_t lane) const {
           static_cast<float>(block.y + l / kBlockEdge) + pixel_.y[lane]};
 }
 
+WideRay Integrator::camera_rays(const Turn& turn) const {
+  const CameraRays& camera = views_.now;
+  Wide2 at;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const Vec2 pixel = screen(turn.block, static_cast<std::size_t>(lane));
+    at.x[lane] = pixel.x;
+    at.y[lane] = pixel.y;
+  }
+  if (camera.pinhole()) return camera.pinhole_rays(at);
+  WideRay rays;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const auto i = static_cast<std::size_t>(lane);
+    const Ray ray = camera.ray(at.x[lane], at.y[lane], camera.has_lens() ? lens_[i] : Vec2(0, 0),
+                               moving_ ? time_.x[i] : 0);
+    rays.origin.set(lane, ray.origin);
+    rays.direction.set(lane, ray.direction);
+  }
+  return rays;
+}
+
 void Integrator::start(const Turn& turn) {
   const CameraRays& camera = views_.now;
   pixel_.draw(turn.keys, turn.index, kPixelSet);
   if (camera.has_lens()) lens_.draw(turn.keys, turn.index, kLensSet);
   if (moving_) time_.draw(turn.keys, turn.index, kTimeSet);
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const auto i = static_cast<std::size_t>(lane);
-    Path& path = paths_.lane[i];
-    path.time = moving_ ? time_.x[i] : 0;
-    path.texture2 = true;
-    const Vec2 at = screen(turn.block, i);
-    const Ray ray = camera.ray(at.x, at.y, camera.has_lens() ? lens_[i] : Vec2(0, 0), path.time);
-    paths_.origin.set(lane, ray.origin);
-    paths_.direction.set(lane, ray.direction);
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    paths_.lane[i].time = moving_ ? time_.x[i] : 0;
+    paths_.lane[i].texture2 = true;
   }
+  const WideRay rays = camera_rays(turn);
   paths_.begin();
+  paths_.origin = rays.origin;
+  paths_.direction = rays.direction;
   paths_.width = wide(kPixelShare * camera.footprint());
   paths_.spread = wide(kPixelShare * camera.spread());
   rays_time_ = moving_ ? load(time_.x.data()) : Wide{};
@@ -127,38 +144,8 @@ bool Integrator::ready_vertices(const Turn& turn, int bounce) {
   if (!lights.empty()) light_point_.draw(turn.keys, turn.index, set);
   direction_.draw(turn.keys, turn.index, set + 1);
   if (lobes || lights.picks()) which_.draw(turn.keys, turn.index, set + 2);
-  if (bounce >= settings_.sure_bounces) roulette_.draw(turn.keys, turn.index, set + 3);
+  if (bounce >= settings_.sure_bounces) roulette_.draw_first(turn.keys, turn.index, set + 3);
   return true;
-}
-
-void Integrator::ready_scattering(int lane) {
-  Path& path = this->path(lane);
-  const Materials& materials = scene_.materials();
-  const Vec3 direction = paths_.direction.at(lane);
-  const bool lambert = materials.lambert(path.surface.material);
-  paths_.lambert[lane] = lambert ? -1 : 0;
-  if (lambert) {
-    const Materials::Lambert l = materials.lambert(scene_.geometry(), path.hit, path.surface, direction);
-    paths_.position.set(lane, path.surface.position);
-    paths_.side.set(lane, l.ng);
-    paths_.normal.set(lane, l.ns);
-    paths_.reflectance.set(lane, l.reflectance);
-  } else {
-    path.bsdf = materials.bsdf(scene_.geometry(), path.hit, path.surface, direction);
-    paths_.normal.set(lane, path.bsdf.frame.z);
-  }
-}
-
-void Integrator::first_hit(const Turn& turn, int lane, SampleBlock& out) {
-  const Path& path = this->path(lane);
-  ready_scattering(lane);
-  guides_.first_hit(paths_, lane, out);
-  const int object = scene_.geometry().object(path.hit);
-  if (object >= 0 && scene_.scene().objects[static_cast<std::size_t>(object)].catcher)
-    return catch_shadow(turn, lane, out);
-  if (path.surface.light >= 0)
-    add(lane, -1, arriving(lane, scene_.lights().hit({}, paths_.direction.at(lane), path.surface)), out);
-  show_unlit(lane);
 }
 
 void Integrator::scatter(const Turn& turn, int lane, int bounce, SampleBlock& out) {
@@ -211,79 +198,6 @@ bool Integrator::survives(int lane, int bounce) {
   if (roulette_.x[static_cast<std::size_t>(lane)] >= chance) return false;
   paths_.throughput.set(lane, throughput * (1.0f / chance));
   return true;
-}
-
-void Integrator::next_hits(int bounce, SampleBlock& out) {
-  if (!any(paths_.alive)) return;
-  if (bounce == settings_.max_bounces && !surfaces_shine()) return last_hits(bounce, out);
-  scene_.bvh().intersect(rays_);
-  find_surfaces();
-  each_lane(paths_.alive, [&](int lane) { arrive(lane, bounce, out); });
-}
-
-// What is hit does not matter any more, only whether the sky is seen.
-void Integrator::last_hits(int bounce, SampleBlock& out) {
-  shadows_.r = rays_.r.ray;
-  store(paths_.alive, shadows_.active);
-  scene_.bvh().occluded(shadows_);
-  each_lane(paths_.alive & ~shadows_.occluded(), [&](int lane) { find_sky(lane, bounce, out); });
-}
-
-// All lanes first, and memory asked before it is needed: the lanes wait for it at the same time then. What
-// most triangles are in the world is found side by side.
-void Integrator::find_surfaces() {
-  const Geometry& geometry = scene_.geometry();
-  Paths& p = paths_;
-  const Mask hits = p.alive & rays_.hit();
-  each_lane(hits, [&](int lane) {
-    path(lane).hit = rays_.at(lane);
-    geometry.prefetch(path(lane).hit);
-  });
-  each_lane(hits, [&](int lane) { geometry.prefetch_corners(path(lane).hit); });
-  p.width += hits ? p.spread * load(rays_.r.ray.tfar) : Wide{};
-  Wide3 a{}, b{}, c{};
-  Mask found{};
-  each_lane(hits, [&](int lane) {
-    const Corners* corners = geometry.corners(path(lane).hit);
-    if (!corners) return;
-    found[lane] = -1;
-    a.set(lane, (*corners)[0]);
-    b.set(lane, (*corners)[1]);
-    c.set(lane, (*corners)[2]);
-  });
-  const Wide u = load(rays_.r.hit.u), v = load(rays_.r.hit.v);
-  p.position = a * (1.0f - u - v) + b * u + c * v;
-  const Wide3 ng = unit_or(cross(b - a, c - a), -p.direction);
-  each_lane(hits, [&](int lane) {
-    Path& path = this->path(lane);
-    if (found[lane])
-      geometry.surface_at(path.hit, p.position.at(lane), ng.at(lane), path.time, path.surface);
-    else
-      path.surface = geometry.surface(path.hit, p.origin.at(lane), p.direction.at(lane), rays_.distance(lane),
-                                      path.time);
-    path.surface.cone = p.width[lane];
-  });
-}
-
-// At the end of a ray that was scattered at vertex `bounce`: collects emission, and readies the next vertex.
-void Integrator::arrive(int lane, int bounce, SampleBlock& out) {
-  const Path& path = this->path(lane);
-  if (!rays_.hit(lane)) {
-    find_sky(lane, bounce, out);
-    return end(lane);
-  }
-  if (const Color absorption = paths_.absorption.at(lane); !is_black(absorption))
-    paths_.throughput.set(lane, paths_.throughput.at(lane) * attenuation(absorption, rays_.distance(lane)));
-  if (path.surface.light >= 0) {
-    const Emitted found = scene_.lights().hit(paths_.left(lane), paths_.direction.at(lane), path.surface);
-    add(lane, bounce, arriving(lane, found), out);
-  }
-  show_unlit(lane);
-  if (bounce == settings_.max_bounces || !alive(lane)) return;
-  ready_scattering(lane);
-  if (settings_.regularise > 0 && paths_.rough[lane] && !paths_.is_lambert(lane))
-    regularise(this->path(lane).bsdf, settings_.regularise);
-  guides_.later_hit(paths_, lane, bounce, out);
 }
 
 void Integrator::finish(const Turn& turn, SampleBlock& out) const {

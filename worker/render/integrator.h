@@ -31,6 +31,7 @@ class Integrator {
 
   void focus();
   void start(const Turn& turn);
+  WideRay camera_rays(const Turn& turn) const;
   bool ready_vertices(const Turn& turn, int bounce);
   void first_hit(const Turn& turn, int lane, SampleBlock& out);
   void sky(int lane, SampleBlock& out);

@@ -78,6 +78,9 @@ Materials::Materials(const Scene& scene, std::shared_ptr<TextureCache> cache)
     const Material& m = scene.materials[i];
     if (m.kind == Material::Kind::plastic) mean_fresnel_[i] = mean_dielectric_fresnel(m.ior);
     if (has_sheen(m) && !sheen_) sheen_.emplace();
+    plain_.push_back({.lambert = m.kind == Material::Kind::diffuse && !m.normal_texture,
+                      .textured = bool(m.base_color_texture),
+                      .base_color = m.base_color});
     textured_[i] = m.kind == Material::Kind::mix || has_texture(m);
   }
 }
@@ -226,13 +229,18 @@ Color Materials::base_color(const Material& m, const Geometry& geometry, const H
 
 Materials::Lambert Materials::lambert(const Geometry& geometry, const Hit& hit, const Surface& s,
                                       const Vec3& direction) const {
-  const Material& m = (*this)[s.material];
+  const Plain& plain = plain_[static_cast<std::size_t>(s.material)];
   const Vec3 wo = -direction;
   const bool front = dot(wo, s.ng) >= 0;
-  TexturePoint at(s);
-  if (m.base_color_texture) at.width = uv_width(s.cone, dot(wo, s.ng), uv_per_metre(geometry, hit));
-  Lambert l{front ? s.ng : -s.ng, front ? s.ns : -s.ns, base_color(m, geometry, hit, at)};
+  Lambert l{front ? s.ng : -s.ng, front ? s.ns : -s.ns, plain.base_color};
   if (dot(wo, l.ns) <= 0) l.ns = bent(l.ns, l.ng, wo);
+  if (plain.textured) {
+    TexturePoint at(s);
+    at.width = uv_width(s.cone, dot(wo, s.ng), uv_per_metre(geometry, hit));
+    l.reflectance = base_color((*this)[s.material], geometry, hit, at);
+  } else if (has_vertex_color(geometry, hit)) {
+    l.reflectance *= rgb(vertex_color(geometry, hit));
+  }
   return l;
 }
 

@@ -46,9 +46,7 @@ class Materials {
   Bsdf bsdf(const Geometry&, const Hit&, const Surface&, const Vec3& direction) const;
 
   // What is most common scatters by Lambert's law and nothing else, and is faster to make than a Bsdf.
-  bool lambert(int material) const {
-    return (*this)[material].kind == Material::Kind::diffuse && !(*this)[material].normal_texture;
-  }
+  bool lambert(int material) const { return plain_[static_cast<std::size_t>(material)].lambert; }
   struct Lambert {
     Vec3 ng, ns;  // on the side from which it is seen
     Color reflectance;
@@ -63,6 +61,12 @@ class Materials {
 
  private:
   struct View;
+  // What most hits ask of a material, close together.
+  struct Plain {
+    bool lambert = false;
+    bool textured = false;  // its base colour
+    Color base_color;
+  };
   const Material& operator[](int i) const { return scene_->materials[static_cast<std::size_t>(i)]; }
   // The only way to a texture's pixels.
   Texel texel(const Texture& texture, const TexturePoint& at) const;
@@ -76,6 +80,7 @@ class Materials {
   void add_leaf(int material, float weight, View&, Bsdf&) const;
 
   const Scene* scene_;
+  std::vector<Plain> plain_;  // by material
   Textures textures_;
   std::vector<bool> textured_;        // by material: looks something up at each point
   std::vector<float> mean_fresnel_;   // by material, of plastic

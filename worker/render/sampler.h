@@ -83,6 +83,10 @@ struct RandomPairs {
       y[i] = pair.y;
     }
   }
+  // The first of each pair only.
+  void draw_first(const std::array<std::uint64_t, N>& keys, std::uint32_t index_reversed, std::uint32_t set) {
+    for (std::size_t i = 0; i < N; ++i) x[i] = random_pair(keys[i], index_reversed, set).x;
+  }
   Vec2 operator[](std::size_t i) const { return {x[i], y[i]}; }
   Wide2 all() const { return {load(x.data()), load(y.data())}; }
 };

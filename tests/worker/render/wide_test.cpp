@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/worker/render/chi_squared.h"
+#include "worker/render/camera.h"
 #include "worker/render/geometry.h"
 #include "worker/render/warp.h"
 #include "worker/render/wide_warp.h"
@@ -65,6 +66,32 @@ TEST(Wide, MakesFramesAsOneByOne) {
     for (int lane = 0; lane < kLanes; ++lane)
       expect_near(world.at(lane), Frame(normal.at(lane)).to_world(v.at(lane)), 1e-6f);
   }
+}
+
+TEST(Wide, SendsCameraRaysAsOneByOne) {
+  Camera camera;
+  camera.to_world = Matrix().rotate(Vec3(0.3f, 2, 0.1f)) * Matrix().translate(Vec3(1, 2, 3));
+  camera.horizontal_fov = 1.2f;
+  const CameraRays rays({}, camera, {64, 32}, 0, 0);
+  ASSERT_TRUE(rays.pinhole());
+  Random random(9);
+  for (int i = 0; i < kPackets; ++i) {
+    const Numbers u(random);
+    const WideRay all = rays.pinhole_rays({u.wide.x * 64.0f, u.wide.y * 32.0f});
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const Ray one = rays.ray(u.at(lane).x * 64, u.at(lane).y * 32, {0, 0}, 0);
+      EXPECT_EQ(all.origin.at(lane), one.origin);
+      expect_near(all.direction.at(lane), one.direction, 1e-6f);
+    }
+  }
+}
+
+TEST(Wide, HasNoPinholeWhereRaysDifferByMore) {
+  Camera lens, sphere;
+  lens.lens_radius = 0.1f;
+  sphere.projection = Camera::Projection::panorama;
+  EXPECT_FALSE(CameraRays({}, lens, {64, 32}, 0, 0).pinhole());
+  EXPECT_FALSE(CameraRays({}, sphere, {64, 32}, 0, 0).pinhole());
 }
 
 TEST(Wide, MovesOriginsOffSurfacesAsOneByOne) {
