@@ -13,10 +13,12 @@ add_library(tessera_options INTERFACE)
 target_compile_features(tessera_options INTERFACE cxx_std_20)
 target_include_directories(tessera_options INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
 # GCC 12 sees an overlap in every assignment of a literal to a string (its bug 105651): -Wno-restrict.
+# It remarks that vectors wider than the processor's are passed otherwise than on others, where all of a program is
+# built for one: -Wno-psabi.
 # No fast-math: the same bits on every worker of a device class. errno and trapping are never looked at.
 target_compile_options(tessera_options INTERFACE
   -march=${TESSERA_ARCH} -fno-math-errno -fno-trapping-math
-  -Wall -Wextra -Wpedantic -Wshadow -Wno-missing-field-initializers -Wno-restrict
+  -Wall -Wextra -Wpedantic -Wshadow -Wno-missing-field-initializers -Wno-restrict -Wno-psabi
   $<$<BOOL:${TESSERA_WERROR}>:-Werror>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   target_compile_options(tessera_options INTERFACE -Wno-unknown-warning-option)  # those of GCC

@@ -9,10 +9,6 @@
 
 #include "worker/render/vector_math.h"
 
-// GCC remarks that functions which take or return such vectors are called otherwise where the processor has
-// them: all of a program is built for one.
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 namespace tessera::tracer {
 
 inline constexpr int kLanes = 16;  // rays of a packet: one 4x4 block of pixels
