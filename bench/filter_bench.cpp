@@ -242,7 +242,7 @@ void measure(ClDevice& device, std::string_view text, const Region& asked, const
   const Image history = long_history(device, plan, input);
   std::vector<KernelTime> times;
   device.record(&times);
-  filter(device, plan, input, {frame, frame}, frame, history);
+  recycle(device, filter(device, plan, input, {frame, frame}, frame, history));
   const std::vector<KernelTime> first = times;  // the rows view its names
   std::vector<Row> rows = rows_of(plan.passes(), first);
   Row whole{.kernel = "whole filter"};
@@ -250,7 +250,7 @@ void measure(ClDevice& device, std::string_view text, const Region& asked, const
   for (int i = 0; i < kRuns && (i < kFewRuns || whole.seconds.front() < kLongRun); ++i) {
     times.clear();
     const auto begin = std::chrono::steady_clock::now();
-    filter(device, plan, input, {frame, frame}, frame, history);
+    recycle(device, filter(device, plan, input, {frame, frame}, frame, history));
     whole.seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
     add_times(rows, times);
   }

@@ -43,7 +43,9 @@ Image filtered(Device& device, const FilterPlan& plan, const Image& input, Size 
   for (const Tile& t : tiles_over(frame, tile, plan.halo())) {
     const Region seen = history.empty() ? Region{} : footprint(motion, t.outer, frame);
     const Image before = seen.empty() ? Image{} : cropped(history, seen);
-    paste(whole, filter(device, plan, cropped(input, t.outer), t, frame, before));
+    Image tile_result = filter(device, plan, cropped(input, t.outer), t, frame, before);
+    paste(whole, tile_result);
+    recycle(device, std::move(tile_result));
   }
   return whole;
 }

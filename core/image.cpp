@@ -12,6 +12,12 @@ Image::Image(const Region& region, int planes, std::vector<float> data)
   assert(data_.size() == static_cast<std::size_t>(region.area()) * planes);
 }
 
+void Image::reshape(const Region& region, int planes) {
+  region_ = region;
+  planes_ = planes;
+  data_.resize(static_cast<std::size_t>(region.area()) * planes);
+}
+
 void paste(Image& target, const Image& source) {
   assert(target.planes() == source.planes());
   const Region both = intersect(target.region(), source.region());

@@ -20,6 +20,8 @@ class Image {
 
   const Region& region() const { return region_; }
   int planes() const { return planes_; }
+  // The same memory, or more if it has to be, for another region. What the planes hold is anything.
+  void reshape(const Region& region, int planes);
   bool empty() const { return data_.empty(); }
 
   std::span<float> plane(int p) { return {data_.data() + offset(p), plane_size()}; }

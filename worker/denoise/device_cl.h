@@ -8,11 +8,13 @@
 #define CL_HPP_TARGET_OPENCL_VERSION 120
 #include <CL/opencl.hpp>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "core/image.h"
 #include "worker/denoise/device.h"
 
 namespace tessera {
@@ -23,8 +25,13 @@ struct KernelTime {
   double seconds = 0;
 };
 
+struct Freed {
+  void operator()(float* p) const;
+};
+
 // A buffer that outlives the filter runs that use it.
 struct Workspace {
+  std::unique_ptr<float, Freed> memory;  // the buffer's, where the device shares ours
   cl::Buffer buffer;
   std::size_t room = 0;  // floats
   std::string pads;      // what the pads around its planes hold: whoever finds another value fills them anew
@@ -58,6 +65,10 @@ class ClDevice : public Device {
   // Buffer number `slot` with room for `floats`, kept and only ever grown.
   Workspace& workspace(int slot, std::size_t floats);
 
+  // An image to be written to, whatever it holds, in the memory of the one that was given back last.
+  Image image(const Region&, int planes);
+  void give_back(Image image) { spare_ = std::move(image); }
+
  private:
   cl::Device device_;
   DeviceInfo info_;
@@ -67,6 +78,7 @@ class ClDevice : public Device {
   std::mutex mutex_;
   std::map<std::string, cl::Program> programs_;  // by options and source
   std::vector<Workspace> workspaces_;
+  Image spare_;
   std::vector<KernelTime>* times_ = nullptr;
   std::vector<cl::Event> events_;  // of the entries of *times_ that have no time yet
 };

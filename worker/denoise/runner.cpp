@@ -48,6 +48,12 @@ Image filter(Device& device, const FilterPlan& plan, const Image& input, const T
   }
 }
 
+void recycle(Device& device, Image result) {
+  ClDevice& cl = dynamic_cast<ClDevice&>(device);
+  const std::lock_guard lock(cl.mutex());
+  cl.give_back(std::move(result));
+}
+
 Filtered filter_task(Device& device, const FilterPlan& plan, const Image& sums, const FilmLayout& layout,
                      const Tile& tile, const Region& frame, const Image& history) {
   Filtered result(tile.inner, filtered_planes(plan));
@@ -59,10 +65,11 @@ Filtered filter_task(Device& device, const FilterPlan& plan, const Image& sums, 
     const int number = part == Part::all ? 0 : part == Part::a ? 1 : 2;
     const Image input = developed(sums, layout, plan.inputs(), part);
     const Image before = history.empty() ? Image{} : planes_of(history, number * kept, kept);
-    const Image output = filter(device, plan, input, tile, frame, before);
+    Image output = filter(device, plan, input, tile, frame, before);
     for (int p = 0; p < 3; ++p) std::ranges::copy(output.plane(p), result.plane(3 * number + p).begin());
     for (int p = 0; p < kept; ++p)
       std::ranges::copy(output.plane(3 + p), result.plane(kFilteredPlanes + number * kept + p).begin());
+    recycle(device, std::move(output));
   }
   return result;
 }

@@ -16,6 +16,9 @@ namespace tessera {
 Image filter(Device&, const FilterPlan&, const Image& input, const Tile& tile, const Region& frame,
              const Image& history = {});
 
+// A result that is no longer needed: the device's next one is written to its memory.
+void recycle(Device&, Image result);
+
 // A whole filter task: develops the film sums over tile.outer for all samples, half A and half B and filters
 // each with its history: history_planes(plan) planes, or empty.
 Filtered filter_task(Device&, const FilterPlan&, const Image& sums, const FilmLayout&, const Tile&,

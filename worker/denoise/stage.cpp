@@ -84,7 +84,7 @@ Stage::Stage(ClDevice& device, const FilterPlan& plan, const std::vector<std::st
       layout_(tile.outer, reach_of(passes_), device.vector_width()),
       program_(device.program(joined(sources), options + input_macros(plan))),
       input_(device.borrowed(input.data())),
-      result_(tile.inner, 3 + plan.history()),
+      result_(device.image(tile.inner, 3 + plan.history())),
       output_(device.borrowed(result_.data())),
       history_region_(history.region()),
       // A kernel's argument is a buffer, though nothing of it be read.

@@ -63,6 +63,16 @@ Plain plain_svgf(int levels, const Region& region) {
   return p;
 }
 
+TEST_F(Filters, WriteAllOfTheirResultWhateverItsMemoryHeld) {
+  const Region frame{0, 0, 33, 26};
+  for (const FilterCase& c : filter_cases()) {
+    const FilterPlan plan = parse_filter(c.text);
+    const Image input = made_up_input(plan, frame, "sky"), fresh = filtered_and_kept(plan, input);
+    recycle(*device_, Image(grown(frame, 1), fresh.planes(), NAN));
+    EXPECT_TRUE(same_bits(filtered_and_kept(plan, input), fresh)) << c.text;
+  }
+}
+
 TEST_F(Filters, LeaveAConstantPictureAsItIs) {
   for (const FilterCase& c : filter_cases()) {
     const FilterPlan plan = parse_filter(c.text);
