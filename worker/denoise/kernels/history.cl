@@ -22,9 +22,11 @@
 
 #if VW == 1
 #define any_lane(v) ((v) != 0)
+#define first_lane(v) (v)
 #define to_float(v) convert_float(v)
 #else
 #define any_lane(v) any(v)
+#define first_lane(v) ((v).s0)
 #define to_float(v) JOIN(convert_float, VW)(v)
 #endif
 
@@ -57,9 +59,15 @@ INLINE vi whole(vf v) {
   return i + (to_float(i) > v ? (vi)-1 : (vi)0);
 }
 
-// Finds the runs.
-Seen in_runs(Seen s, int width) {
+// Finds the runs. Most often there is one.
+INLINE Seen in_runs(Seen s, int width) {
   s.start = s.y * width + s.x - load(kLanes);
+  const int first = first_lane(s.start);
+  if (!any_lane(~s.wanted | (s.start != (vi)first))) {
+    s.runs = 1;
+    s.run[0] = s.lowest = s.highest = first;
+    return s;
+  }
   int starts[VW], wanted[VW];
   store(s.start, starts);
   store(s.wanted, wanted);
@@ -81,7 +89,7 @@ Seen in_runs(Seen s, int width) {
 }
 
 // x, y: of lane 0, in the frame's grid.
-Seen seen_before(int x, int y, vf motion_x, vf motion_y, int past_x0, int past_y0, int past_x1, int past_y1) {
+INLINE Seen seen_before(int x, int y, vf motion_x, vf motion_y, int past_x0, int past_y0, int past_x1, int past_y1) {
   Seen s;
   vf qx = to_float((vi)x + load(kLanes)) - motion_x, qy = (vf)(float)y - motion_y;
   s.wanted = (qx > (vf)(float)(past_x0 - 3)) & (qx < (vf)(float)(past_x1 + 3)) & (qy > (vf)(float)(past_y0 - 3)) &
@@ -129,7 +137,7 @@ INLINE vf at_tap(global const float* plane, Tap t) {
 }
 
 // Where lanes of q's four taps yielded nothing, those of the nine around the nearest pixel come next.
-Seen nearest_seen(Seen s, vi lost, int width) {
+INLINE Seen nearest_seen(Seen s, vi lost, int width) {
   s.wanted &= lost;
   s.x += s.right >= (vf)0.5f ? (vi)1 : (vi)0;
   s.y += s.below >= (vf)0.5f ? (vi)1 : (vi)0;
@@ -174,14 +182,14 @@ INLINE vf rounded(vf v) {
 }
 
 // How long the history is with this frame. `before`: the sum of weight times length.
-vf longer(vf sum, vf before) {
+INLINE vf longer(vf sum, vf before) {
   const vf mean = rounded(before / sum);
   const vf next = mean < (vf)(LONGEST_HISTORY - 1) ? mean + 1.0f : (vf)LONGEST_HISTORY;
   return sum > (vf)0.0f ? next : (vf)1.0f;
 }
 
 // The weight of this frame. `plain`: while the history is shorter than 1 / alpha, all of its frames weigh the same.
-vf weight_of_now(vf length, float alpha, int plain) {
+INLINE vf weight_of_now(vf length, float alpha, int plain) {
   const vf equal = 1.0f / length;
   const vf least = plain ? equal : (vf)0.0f;
   const vf weight = least > (vf)alpha ? least : (vf)alpha;
@@ -209,7 +217,7 @@ typedef struct {
 
 // Of VW pixels from `in`, of which n are ours. The depth is what it was one frame before; it may differ by twice its
 // change from pixel to pixel along both axes, for taps are up to two pixels off, and by a hundredth.
-Trace expected_trace(global const float* in, size_t area, int n) {
+INLINE Trace expected_trace(global const float* in, size_t area, int n) {
   Trace t;
   const vf right = load_first(in + IN_DEPTHGRADIENT * area, n, 0.0f);
   const vf down = load_first(in + (IN_DEPTHGRADIENT + 1) * area, n, 0.0f);
@@ -220,7 +228,7 @@ Trace expected_trace(global const float* in, size_t area, int n) {
   return t;
 }
 
-vi same_surface(Trace t, global const float* planes, size_t area, Tap tap) {
+INLINE vi same_surface(Trace t, global const float* planes, size_t area, Tap tap) {
   const vf x = at_tap(planes + area, tap) - t.normal[0], y = at_tap(planes + 2 * area, tap) - t.normal[1],
            z = at_tap(planes + 3 * area, tap) - t.normal[2];
   return tap.inside & (fabs(at_tap(planes, tap) - t.depth) <= t.tolerance) &
@@ -228,7 +236,7 @@ vi same_surface(Trace t, global const float* planes, size_t area, Tap tap) {
 }
 
 // Keeps the trace that the next frame compares with; zeros where `valid` is not.
-void keep_trace(global const float* in, size_t area, int n, vi valid, global float* to, size_t to_area, int x, int x0,
+INLINE void keep_trace(global const float* in, size_t area, int n, vi valid, global float* to, size_t to_area, int x, int x0,
                 int x1) {
   const int planes[5] = {IN_DEPTH, IN_NG, IN_NG + 1, IN_NG + 2, IN_OBJECTID};
   for (int c = 0; c < 5; ++c) {

@@ -15,12 +15,17 @@
 // one's, and do not count.
 typedef struct {
   int i, width, rows[3];
-  bool inner;            // all of the columns are there
+  bool inner;            // all of them are there
   vi beside[3], counts[3][3];
 } Around;
 
-INLINE Around around(int i, int width, int j, int height) {
-  Around a = {i, width, {max(j - 1, 0), j, min(j + 1, height - 1)}, i >= 1 && i + VW < width};
+INLINE bool is_inner(int i, int width, int j, int height) {
+  return i >= 1 && i + VW < width && j >= 1 && j + 1 < height;
+}
+
+// inner: a constant where it is true, so that nothing is left of what counts.
+INLINE Around around(int i, int width, int j, int height, bool inner) {
+  Around a = {i, width, {inner ? j - 1 : max(j - 1, 0), j, inner ? j + 1 : min(j + 1, height - 1)}, inner};
 #pragma unroll
   for (int k = 0; k < 3; ++k) {
     const vi number = (vi)(i + k - 1) + load(kLanes);
@@ -30,7 +35,7 @@ INLINE Around around(int i, int width, int j, int height) {
   for (int r = 0; r < 3; ++r)
 #pragma unroll
     for (int k = 0; k < 3; ++k)
-      a.counts[r][k] = a.beside[k] & (r == 1 || a.rows[r] != j ? (vi)-1 : (vi)0);
+      a.counts[r][k] = inner ? (vi)-1 : a.beside[k] & (r == 1 || a.rows[r] != j ? (vi)-1 : (vi)0);
   return a;
 }
 
@@ -134,8 +139,9 @@ INLINE void clip(const Statistics* s, float gamma, vf* rgb) {
 // moves, nothing changes.
 INLINE void mix_in(const Statistics* s, vi known, float alpha, vf* rgb) {
   const vf now = luminance(s->centre[0], s->centre[1], s->centre[2]), then = luminance(rgb[0], rgb[1], rgb[2]);
-  const vf new_weight = alpha / (1.0f + (now > (vf)0.0f ? now : (vf)0.0f));
-  const vf old_weight = (1.0f - alpha) / (1.0f + (then > (vf)0.0f ? then : (vf)0.0f));
+  // Each one's weight times both luminances and 1: one division instead of three.
+  const vf new_weight = alpha * (1.0f + (then > (vf)0.0f ? then : (vf)0.0f));
+  const vf old_weight = (1.0f - alpha) * (1.0f + (now > (vf)0.0f ? now : (vf)0.0f));
   const vf share = old_weight / (new_weight + old_weight);
   for (int c = 0; c < 3; ++c) rgb[c] = known ? fma(share, rgb[c] - s->centre[c], s->centre[c]) : s->centre[c];
 }
@@ -151,8 +157,21 @@ INLINE vi picture_before(Seen place, global const float* past, int past_x0, int 
     }
   })
   const vi known = sum >= (vf)0.25f;
-  for (int c = 0; c < 3; ++c) rgb[c] = known ? total[c] / sum : (vf)0.0f;
+  const vf scale = 1.0f / sum;
+  for (int c = 0; c < 3; ++c) rgb[c] = known ? total[c] * scale : (vf)0.0f;
   return known;
+}
+
+// Of the pixels (x, y) on, RGB. `a`: around them, in the picture. motion: from the picture's first pixel on.
+INLINE void mixed(const Around* a, global const float* picture, size_t picture_area, global const float* motion,
+                  size_t area, int w, PAST_ARGUMENTS, int x, int y, float alpha, float gamma, vf* rgb) {
+  const Statistics s = statistics(picture, picture_area, a);
+  vf mx, my;
+  longest_motion(motion, area, w, a, &mx, &my);
+  const Seen place = seen_before(outer_x + x, outer_y + y, mx, my, past_x0, past_y0, past_x1, past_y1);
+  const vi known = picture_before(place, past, past_x0, past_y0, past_x1, past_y1, rgb) & s.finite;
+  clip(&s, gamma, rgb);
+  mix_in(&s, known, alpha, rgb);
 }
 
 // picture: RGB over the pixels [px0, px1) x [py0, py1) of the outer region. past: of its planes the last three, from
@@ -164,17 +183,23 @@ kernel void taa(global const float* restrict input, int w, int h, global const f
   const int row = get_global_id(1), y = y0 + row, width = px1 - px0;
   const size_t area = (size_t)w * h, picture_area = (size_t)width * (py1 - py0);
   const size_t out_area = (size_t)(x1 - x0) * (y1 - y0);
+  global const float* motion = input + IN_MOTION * area + (size_t)py0 * w + px0;
   if (y >= y1) return;
   FOR_EACH_VECTOR(x, x0, x1) {
-    const Around a = around(x - px0, width, y - py0, py1 - py0);
-    const Statistics s = statistics(picture, picture_area, &a);
-    vf rgb[3], mx, my;
-    longest_motion(input + IN_MOTION * area + (size_t)py0 * w + px0, area, w, &a, &mx, &my);
-    const Seen place = seen_before(outer_x + x, outer_y + y, mx, my, past_x0, past_y0, past_x1, past_y1);
-    const vi known =
-        picture_before(place, past + first * PAST_AREA, past_x0, past_y0, past_x1, past_y1, rgb) & s.finite;
-    clip(&s, gamma, rgb);
-    mix_in(&s, known, alpha, rgb);
+    const int i = x - px0, j = y - py0, height = py1 - py0;
+    const bool inner = is_inner(i, width, j, height);
+    vf rgb[3];
+#define MIX(inner)                                                                                                   \
+  {                                                                                                                  \
+    const Around a = around(i, width, j, height, inner);                                                             \
+    mixed(&a, picture, picture_area, motion, area, w, past + first * PAST_AREA, past_x0, past_y0, past_x1, past_y1, \
+          outer_x, outer_y, x, y, alpha, gamma, rgb);                                                                \
+  }
+    if (inner)
+      MIX(true)
+    else
+      MIX(false)
+#undef MIX
     global float* out = output + (size_t)row * (x1 - x0) + (x - x0);
     for (int c = 0; c < 3; ++c) {
       store_first(rgb[c], out + c * out_area, x1 - x);
