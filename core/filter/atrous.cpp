@@ -37,7 +37,7 @@ std::vector<Channel> inputs(const ParameterValues& values) {
 }
 
 std::vector<Pass> passes(const ParameterValues& values) {
-  constexpr double kTap = 9 + 15 + 6 + kExpFlops + 1 + 7;  // differences, squares, exponent, weight, sums
+  constexpr double kTap = 9 + 15 + 6 + kLevelWeightFlops + 7;  // differences, squares, exponent, weight, sums
   std::vector<Pass> all;
   constexpr double kSignal = 3 + 3, kGuides = 1 + 1;  // both ways; validity, depth
   if (with_history(values))

@@ -41,6 +41,9 @@ void append(std::vector<Channel>& to, std::initializer_list<Aov>, Statistic = St
 inline constexpr double kExpFlops = 15;
 // And of weight_of (worker/denoise/kernels/window.cl).
 inline constexpr double kWeightFlops = 12;
+// And of the one of the a-trous levels (worker/denoise/kernels/geometry.cl): bound, whole number, bits,
+// polynomial, bits.
+inline constexpr double kLevelWeightFlops = 1 + 1 + 2 + 8 + 2;
 
 // One of the names, by default that of number `standard`.
 Parameter choice_parameter(std::string_view name, std::string_view meaning, std::string_view source,

@@ -101,12 +101,12 @@ std::vector<Pass> passes(const ParameterValues& values) {
              valid = !is(values, "mode", literal);
   const int levels = number(values, "levels"), window = number(values, "window");
   const double surface = (by_depth ? 2 + 7.0 / 2 : 3 + 5) + 3 + 5 + 4;  // differences, squares, exponent
-  const double tap = surface + 3 + (by_luminance ? 6 : 5) + kExpFlops + 1 + 1 + 6;
+  const double tap = surface + 3 + (by_luminance ? 6 : 5) + kLevelWeightFlops + 1 + 6;
   const double noise = valid ? 3 : 0, deviation = by_luminance ? 3 : 0;
   const double kept = level_planes(values);
   std::vector<Pass> all;
   if (is(values, "variance", spatial))
-    all.push_back({"sure_variance", 1, 3, 48 * (surface + kExpFlops + 1 + 3 + 5 + 6 + 3) + 30,
+    all.push_back({"sure_variance", 1, 3, 48 * (surface + kLevelWeightFlops + 1 + 3 + 5 + 6 + 3) + 30,
                    guide_planes(values) + 3 + 1.0});
   append_levels(all,
                 {.kernel = "sure_level",
@@ -114,11 +114,11 @@ std::vector<Pass> passes(const ParameterValues& values) {
                  .floats = guide_planes(values) + 2 * kept + (valid ? 2 : 0)},
                 levels);
   const double taps = (2 * window + 1) * (2 * window + 1);
+  // A weight of each level, which takes the place of its noise; all by the pass of the widest window.
   if (valid)
-    all.push_back({"sure_reconstruct", 1 << (levels - 1), window << (levels - 1), levels * (2 * taps + 12),
-                   5.0 * levels + 3 + 3});
-  else
-    all.push_back({"sure_reconstruct", 1, 0, 9, 9});
+    all.push_back(
+        {"sure_weights", 1 << (levels - 1), window << (levels - 1), levels * (2 * taps + 4), 3.0 * levels});
+  all.push_back({"sure_reconstruct", 1, 0, 9.0 * levels, 3.0 * (levels + 1) + (valid ? levels : 0) + 6});
   return all;
 }
 

@@ -69,12 +69,10 @@ std::vector<Channel> inputs(const ParameterValues& values) {
 }
 
 std::vector<Pass> passes(const ParameterValues& values) {
-  constexpr double kShortExpFlops =
-      1 + 2 + 1 + 8 + 2;                       // exp2_of_bits: bound, whole number, bits, polynomial, bits
   constexpr double kGeometry = 3 + 5 + 1 + 7;  // depth, cosine, bound, seven squarings
   constexpr double kChord = 7.0 / 2;           // half a depth scale per tap
   constexpr double kLightTap =
-      3 + 5 + 3 + kShortExpFlops + 1 + 1 + 6 + 3;  // differences, luminance, weight, sums
+      3 + 5 + 3 + kLevelWeightFlops + 1 + 1 + 6 + 3;  // differences, luminance, weight, sums
   constexpr double kFloats = 4 + 8 + 8;
   std::vector<Pass> all;
   if (with_history(values)) {
@@ -86,10 +84,10 @@ std::vector<Pass> passes(const ParameterValues& values) {
   }
   if (values.find("variance")->second == from_picture)
     all.push_back({"svgf_variance_spatial", 1, 3,
-                   48 * (kGeometry + kChord + kShortExpFlops + 2 + 2 * 17) + 40, 4 + 6 + 2});
+                   48 * (kGeometry + kChord + kLevelWeightFlops + 2 + 2 * 17) + 40, 4 + 6 + 2});
   else
     all.push_back(
-        {"svgf_variance_samples", 1, 3, 48 * (kGeometry + kChord + kShortExpFlops + 6) + 20, 4 + 2 + 2});
+        {"svgf_variance_samples", 1, 3, 48 * (kGeometry + kChord + kLevelWeightFlops + 6) + 20, 4 + 2 + 2});
   append_levels(all,
                 {.kernel = "svgf_level",
                  .flops = 24 * (kGeometry + kChord + 2 * kLightTap) + 2 * (9 * 4 + 20) + 20,

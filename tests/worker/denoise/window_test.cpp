@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cheap weights of windows (kernels/window.cl).
+// The cheap weights of windows (kernels/window.cl) and of the a-trous levels (kernels/geometry.cl).
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -14,9 +14,9 @@ constexpr float kOne = 127 << 23, kUnit = 1 << 23;  // the exponents of 1, and o
 
 class WindowWeights : public OnDevice {
  protected:
-  std::vector<float> of(const std::vector<float>& exponents) {
+  std::vector<float> of(const std::vector<float>& exponents, const std::string& kernels = "window.cl") {
     ClDevice& cl = dynamic_cast<ClDevice&>(*device_);
-    std::ifstream file(TESSERA_SOURCE_DIR "/worker/denoise/kernels/window.cl");
+    std::ifstream file(TESSERA_SOURCE_DIR "/worker/denoise/kernels/" + kernels);
     std::stringstream source;
     source << file.rdbuf()
            << "kernel void evaluate(global const float* e, global float* w) {"
@@ -34,20 +34,25 @@ class WindowWeights : public OnDevice {
     cl.finish(out, results);
     return results;
   }
+  // The largest relative error from 1 down to 2^-126.
+  double worst_of(const std::string& kernels) {
+    std::vector<float> exponents;
+    for (int i = 0; i < 1 << 20; ++i)
+      exponents.push_back(kOne - 126.0f * kUnit * static_cast<float>(i) / (1 << 20));
+    for (int i = 0; i < 1 << 17; ++i)
+      exponents.push_back(kOne - 64.0f * static_cast<float>(i));  // all between 1/2 and 1
+    const std::vector<float> weights = of(exponents, kernels);
+    double worst = 0;
+    for (std::size_t i = 0; i < weights.size(); ++i)
+      worst = std::max(worst, std::abs(weights[i] / std::exp2((double(exponents[i]) - kOne) / kUnit) - 1));
+    return worst;
+  }
 };
 
+// Not much less either, as the polynomials' alternating errors are.
 TEST_F(WindowWeights, AreAsPreciseAsTheKernelsSay) {
-  std::vector<float> exponents;
-  for (int i = 0; i < 1 << 20; ++i)
-    exponents.push_back(kOne - 126.0f * kUnit * static_cast<float>(i) / (1 << 20));
-  for (int i = 0; i < 1 << 17; ++i)
-    exponents.push_back(kOne - 64.0f * static_cast<float>(i));  // all between 1/2 and 1
-  const std::vector<float> weights = of(exponents);
-  double worst = 0;
-  for (std::size_t i = 0; i < weights.size(); ++i)
-    worst = std::max(worst, std::abs(weights[i] / std::exp2((double(exponents[i]) - kOne) / kUnit) - 1));
-  EXPECT_LT(worst, 9e-5);
-  EXPECT_GT(worst, 8e-5);  // as the polynomial's alternating errors are
+  EXPECT_THAT(worst_of("window.cl"), testing::AllOf(testing::Gt(8e-5), testing::Lt(9e-5)));
+  EXPECT_THAT(worst_of("geometry.cl"), testing::AllOf(testing::Gt(3e-6), testing::Lt(4e-6)));
 }
 
 TEST_F(WindowWeights, AreExactAtTheEnds) {
@@ -58,9 +63,12 @@ TEST_F(WindowWeights, AreExactAtTheEnds) {
   exponents[3] = 0;
   exponents[4] = kUnit;
   exponents[5] = NAN;
-  const std::vector<float> weights = of(exponents);
-  EXPECT_THAT(std::vector(weights.begin(), weights.begin() + 7),
-              testing::ElementsAre(1.0f, 0.5f, 0.0f, 0.0f, 0x1p-126f, 0.0f, 0.0f));
+  for (const char* kernels : {"window.cl", "geometry.cl"}) {
+    const std::vector<float> weights = of(exponents, kernels);
+    EXPECT_THAT(std::vector(weights.begin(), weights.begin() + 7),
+                testing::ElementsAre(1.0f, 0.5f, 0.0f, 0.0f, 0x1p-126f, 0.0f, 0.0f))
+        << kernels;
+  }
 }
 
 }  // namespace

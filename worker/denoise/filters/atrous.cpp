@@ -7,17 +7,20 @@
 #include "kernels.h"
 #include "worker/denoise/programs.h"
 #include "worker/denoise/taa.h"
+#include "worker/denoise/window.h"
 
 namespace tessera {
 namespace {
 
-float log2e_over_square(double sigma) { return static_cast<float>(std::numbers::log2e / (sigma * sigma)); }
+float exponent_over_square(double sigma) {
+  return static_cast<float>(kOctave * std::numbers::log2e / (sigma * sigma));
+}
 
-// The colour's sigma halves with every level, the others double: Dammertz et al. 2010, section 3. The kernels
-// take exponents to base 2.
+// The colour's sigma halves with every level, the others double: Dammertz et al. 2010, section 3.
 cl_float4 scalars(const FilterPlan& plan, const Pass& pass) {
-  return {{log2e_over_square(plan["sigma_c"] / pass.step), log2e_over_square(plan["sigma_n"] * pass.step),
-           log2e_over_square(plan["sigma_x"] * pass.step), 0}};
+  return {{exponent_over_square(plan["sigma_c"] / pass.step),
+           exponent_over_square(plan["sigma_n"] * pass.step),
+           exponent_over_square(plan["sigma_x"] * pass.step), 0}};
 }
 
 void run(Stage& s) {

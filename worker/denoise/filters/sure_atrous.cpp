@@ -7,22 +7,25 @@
 
 #include "kernels.h"
 #include "worker/denoise/programs.h"
+#include "worker/denoise/window.h"
 
 namespace tessera {
 namespace {
 
-float log2e_over_square(double sigma) { return static_cast<float>(std::numbers::log2e / (sigma * sigma)); }
+float exponent_over_square(double sigma) {
+  return static_cast<float>(kOctave * std::numbers::log2e / (sigma * sigma));
+}
 
-// The kernels take exponents to base 2. The illumination's deviation halves with every level (Kim et al.
+// The illumination's deviation halves with every level (Kim et al.
 // 2016, section 2.1), or is propagated; the others' double (Dammertz et al. 2010, section 3).
 cl_float4 scalars(const FilterPlan& plan, int step) {
   constexpr double kLuminanceTolerance = 1e-10;  // far below any noise
   const double ln2 = std::numbers::ln2;
   const float light = plan.is("edge", "svgf") ? static_cast<float>(ln2 * plan["sigma_l"])
-                                              : log2e_over_square(plan["sigma_y"] / step);
+                                              : exponent_over_square(plan["sigma_y"] / step);
   const float distance = plan.is("distance", "depth") ? static_cast<float>(ln2 * plan["sigma_z"] * step)
-                                                      : log2e_over_square(plan["sigma_x"] * step);
-  return {{light, log2e_over_square(plan["sigma_n"] * step), distance,
+                                                      : exponent_over_square(plan["sigma_x"] * step);
+  return {{light, exponent_over_square(plan["sigma_n"] * step), distance,
            static_cast<float>(ln2 * kLuminanceTolerance)}};
 }
 
@@ -57,8 +60,11 @@ void run(Stage& s) {
           level, correction(level), scalars(plan, pass.step));
     ++level;
   }
+  for (level = 0; level < levels && !plan.is("mode", "literal"); ++level)
+    s.run("sure_weights", s.inner(), 1 << level, guides, pyramid, details, s.layout(), s.inner(), 1 << level,
+          level);
   s.run("sure_reconstruct", s.inner(), 1, s.input(), s.outer().width(), s.outer().height(), guides, pyramid,
-        details, s.layout(), Exactly{s.inner()}, levels, s.output());
+        s.layout(), Exactly{s.inner()}, levels, s.output());
 }
 
 std::string options(const FilterPlan& plan) {

@@ -48,8 +48,9 @@ void run(Stage& s) {
           s.region(i), pass.step, scalars(s.plan(), pass));
   };
   // The variances of single pixels wait in `to` until they are found over the pixels around.
-  s.run("prepare", s.outer(), 1, s.input(), s.outer().width(), s.outer().height(), guides, from, to,
-        s.layout());
+  if (!history)
+    s.run("prepare", s.outer(), 1, s.input(), s.outer().width(), s.outer().height(), guides, from, to,
+          s.layout());
   const int fed_back = static_cast<int>(std::min(s.plan()["feedback"], s.plan()["levels"]));
   std::size_t i = 0;
   if (history) accumulate(s, guides, from, to), ++i;
@@ -75,8 +76,8 @@ std::string options(const FilterPlan& plan) {
 
 Program svgf_program() {
   return {"svgf",
-          {kernels::geometry_cl, kernels::history_cl, kernels::taa_cl, kernels::svgf_cl,
-           kernels::svgf_history_cl},
+          {kernels::geometry_cl, kernels::history_cl, kernels::taa_cl, kernels::svgf_pixels_cl,
+           kernels::svgf_cl, kernels::svgf_history_cl},
           options,
           run};
 }

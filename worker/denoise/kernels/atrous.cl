@@ -34,7 +34,7 @@ kernel void prepare(global const float* restrict input, int w, int h, global flo
   }
 }
 
-// k: log2(e) over the squared sigmas of this level: illumination, normal, position in footprints.
+// k: log2(e) EXPONENT_UNIT over the squared sigmas of this level: illumination, normal, position in footprints.
 kernel void atrous_level(global const float* restrict guides, global const float* restrict from,
                          global float* restrict to, int stride, long plane, long origin, int x0, int y0, int x1,
                          int y1, int step, float4 k) {
@@ -46,7 +46,7 @@ kernel void atrous_level(global const float* restrict guides, global const float
     const vf nx = load(guides + 3 * plane + p), ny = load(guides + 4 * plane + p),
              nz = load(guides + 5 * plane + p);
     const vf r = load(from + p), g = load(from + plane + p), b = load(from + 2 * plane + p);
-    const vf kx = k.z / (squared_footprint(guides, stride, plane, p) + 1e-30f);
+    const vf kx = finite_scale(k.z / (squared_footprint(guides, stride, plane, p) + 1e-30f));
     vf sum = kB3[2] * kB3[2], dr = 0.0f, dg = 0.0f, db = 0.0f;
 #pragma nounroll
     for (int j = -2; j <= 2; ++j) {
@@ -61,8 +61,8 @@ kernel void atrous_level(global const float* restrict guides, global const float
         const vf color = fma(cr, cr, fma(cg, cg, cb * cb));
         const vf normal = fma(ax, ax, fma(ay, ay, az * az));
         const vf position = fma(bx, bx, fma(by, by, bz * bz));
-        const vf weight = kB3[i + 2] * kB3[j + 2] *
-                          exp2_of_negative(-fma(position, kx, fma(normal, (vf)k.y, color * k.x)));
+        const vf exponent = OF_ONE + kLogB3[i + 2] + kLogB3[j + 2];
+        const vf weight = weight_of(fma(position, -kx, fma(normal, (vf)-k.y, fma(color, (vf)-k.x, exponent))));
         sum += weight;
         dr = fma(weight, cr, dr);
         dg = fma(weight, cg, dg);

@@ -2,7 +2,8 @@
 // A-trous wavelets whose details come back as far as Stein's unbiased risk estimate allows (Kim et al. 2016).
 //   guides: position (three planes) or depth (one; BY_DEPTH); plane 0 is +infinity at invalid pixels.  normal
 //   levels: LEVEL_PLANES planes of each level's input, and of what the last one leaves: 0..2 colour
-//           3 noise, the sum of the channels' variances   4 variance of luminance (BY_LUMINANCE)
+//           3 noise, the sum of the channels' variances, at last the detail's weight   4 variance of luminance
+//           (BY_LUMINANCE)
 //   details: two planes of each level: the squared detail and its noise, both summed over the channels
 // LITERAL: no noise, no details. ON_GRID: weights are multiples of 1/5. WINDOW: radius of the risk's mean.
 
@@ -71,9 +72,9 @@ typedef struct {
 #endif
 } Surface;
 
-// k: y over the squared distance of normals; z over the squared distance of points in footprints, or sigma_z * step
-// * ln 2.
-Surface surface_at(global const float* guides, int stride, long plane, size_t p, float4 k) {
+// k: y over the squared distance of normals; z over the squared distance of points in footprints, both times
+// EXPONENT_UNIT, or z is sigma_z * step * ln 2.
+INLINE Surface surface_at(global const float* guides, int stride, long plane, size_t p, float4 k) {
   Surface s;
   s.nx = load(guides + NORMALS * plane + p);
   s.ny = load(guides + (NORMALS + 1) * plane + p);
@@ -87,35 +88,35 @@ Surface surface_at(global const float* guides, int stride, long plane, size_t p,
   s.x = load(guides + p);
   s.y = load(guides + plane + p);
   s.z = load(guides + 2 * plane + p);
-  s.scale = k.z / (squared_footprint(guides, stride, plane, p) + 1e-30f);
+  s.scale = finite_scale(k.z / (squared_footprint(guides, stride, plane, p) + 1e-30f));
 #endif
   return s;
 }
 
 // Over the distance, for the pixels (i, j) * step away on either side.
-vf distance_scale(Surface s, int i, int j, float4 k) {
+INLINE vf distance_scale(Surface s, int i, int j, float4 k) {
 #if BY_DEPTH
-  return 1.0f / fma(fabs(fma(s.slope_x, (vf)(float)i, s.slope_y * (float)j)), (vf)k.z, s.tolerance);
+  return EXPONENT_UNIT / fma(fabs(fma(s.slope_x, (vf)(float)i, s.slope_y * (float)j)), (vf)k.z, s.tolerance);
 #else
   return s.scale;
 #endif
 }
 
-// -log2 of w_n w_x.
-vf parted(Surface s, global const float* guides, long plane, size_t q, vf scale, float4 k) {
+// The exponent of w_n w_x times a weight of the exponent `other`.
+INLINE vf exponent_at(Surface s, global const float* guides, long plane, size_t q, vf scale, float4 k, vf other) {
   const vf ax = load(guides + NORMALS * plane + q) - s.nx, ay = load(guides + (NORMALS + 1) * plane + q) - s.ny,
            az = load(guides + (NORMALS + 2) * plane + q) - s.nz;
-  const vf normal = fma(ax, ax, fma(ay, ay, az * az)) * k.y;
+  const vf normal = fma(fma(ax, ax, fma(ay, ay, az * az)), (vf)-k.y, other);
 #if BY_DEPTH
-  return fma(fabs(load(guides + q) - s.z), scale, normal);
+  return fma(-fabs(load(guides + q) - s.z), scale, normal);
 #else
   const vf x = load(guides + q) - s.x, y = load(guides + plane + q) - s.y, z = load(guides + 2 * plane + q) - s.z;
-  return fma(fma(x, x, fma(y, y, z * z)), scale, normal);
+  return fma(fma(x, x, fma(y, y, z * z)), -scale, normal);
 #endif
 }
 
 // Differences of light whose squares stay finite.
-vf square_bounded(vf d) {
+INLINE vf square_bounded(vf d) {
   d = d < (vf)1e18f ? d : (vf)1e18f;
   return d > (vf)-1e18f ? d : (vf)-1e18f;
 }
@@ -132,7 +133,7 @@ kernel void sure_variance(global const float* restrict guides, global float* res
     const vf r = load(levels + p), g = load(levels + plane + p), b = load(levels + 2 * plane + p);
     vf sum = 1.0f, red = 0.0f, green = 0.0f, blue = 0.0f, squares = 0.0f, light = 0.0f;
     FOR_EACH_CHORD(3, distance_scale(s, i, j, k), {
-      const vf w = exp2_of_negative(-parted(s, guides, plane, q, scale, k));
+      const vf w = weight_of(exponent_at(s, guides, plane, q, scale, k, OF_ONE));
       const vf cr = square_bounded(load(levels + q) - r);
       const vf cg = square_bounded(load(levels + plane + q) - g);
       const vf cb = square_bounded(load(levels + 2 * plane + q) - b);
@@ -156,11 +157,11 @@ kernel void sure_variance(global const float* restrict guides, global float* res
   }
 }
 
-// 1 over the illumination's difference (squared, or of luminance) at which its weight has fallen to 1/2.
-vf light_scale(global const float* guides, global const float* levels, global const float* from, int stride,
+// EXPONENT_UNIT over the illumination's difference (squared, or of luminance) at which its weight has fallen to 1/2.
+INLINE vf light_scale(global const float* guides, global const float* levels, global const float* from, int stride,
                long plane, size_t p, float4 k) {
 #if BY_LUMINANCE
-  return 1.0f / fma(sqrt(smoothed_variance(guides, from + 4 * plane, stride, p)), (vf)k.x, (vf)k.w);
+  return EXPONENT_UNIT / fma(sqrt(smoothed_variance(guides, from + 4 * plane, stride, p)), (vf)k.x, (vf)k.w);
 #else
   return k.x / (load(levels + 3 * plane + p) + 1e-20f);  // of the samples, whatever the level
 #endif
@@ -187,8 +188,8 @@ kernel void sure_level(global const float* restrict guides, global float* restri
       const vf cg = load(from + plane + q) - g;
       const vf cb = load(from + 2 * plane + q) - b;
       const vf light = BY_LUMINANCE ? fabs(luminance(cr, cg, cb)) : fma(cr, cr, fma(cg, cg, cb * cb));
-      const vf w = kB3[i + 2] * kB3[j + 2] *
-                   exp2_of_negative(-fma(light, stop, parted(s, guides, plane, q, scale, k)));
+      const vf others_exponent = exponent_at(s, guides, plane, q, scale, k, OF_ONE + kLogB3[i + 2] + kLogB3[j + 2]);
+      const vf w = weight_of(fma(light, -stop, others_exponent));
       others += w;
       red = fma(w, cr, red);
       green = fma(w, cg, green);
@@ -217,32 +218,38 @@ kernel void sure_level(global const float* restrict guides, global float* restri
   }
 }
 
-// The w in [0, 1] of least risk (w - 1)^2 d^2 + (2 w - 1) noise, the risk's mean taken over the window. Where there
-// is no picture both are 0.
-vf best_weight(global const float* details, int stride, long plane, size_t p, int step) {
-  vf squares = 0.0f, noise = 0.0f;
+// The w in [0, 1] of least risk (w - 1)^2 d^2 + (2 w - 1) noise of a level's detail, the risk's mean taken over the
+// window. Where there is no picture both are 0. It takes the place of the level's noise, which nobody reads any more.
+// Row after row in the level's own order: in the picture's, the rows of a wide window would be fetched anew for each.
+kernel void sure_weights(global const float* restrict guides, global float* restrict levels,
+                         global const float* restrict details, int stride, long plane, long origin, int x0, int y0,
+                         int x1, int y1, int step, int level) {
+  const int y = y0 + row_of(get_global_id(1), y1 - y0, step);
+  if (y >= y1) return;
+  global const float* restrict detail = details + 2 * level * plane;
+  FOR_EACH_VECTOR(x, x0, x1) {
+    const size_t p = origin + (size_t)y * stride + x;
+    vf squares = 0.0f, noise = 0.0f;
 #pragma nounroll
-  for (int j = -WINDOW; j <= WINDOW; ++j) {
+    for (int j = -WINDOW; j <= WINDOW; ++j) {
 #pragma unroll
-    for (int i = -WINDOW; i <= WINDOW; ++i) {
-      const size_t q = p + (long)(j * step) * stride + i * step;
-      squares += load(details + q);
-      noise += load(details + plane + q);
+      for (int i = -WINDOW; i <= WINDOW; ++i) {
+        const size_t q = p + (long)(j * step) * stride + i * step;
+        squares += load(detail + q);
+        noise += load(detail + plane + q);
+      }
     }
+    const vi valid = load(guides + p) < (vf)INFINITY;
+    vf w = squares > noise ? 1.0f - noise / squares : (vf)0.0f;
+    if (ON_GRID) w = rint(5.0f * w) * 0.2f;  // the risk is a parabola: the nearest point is the best
+    store(valid ? w : (vf)0.0f, levels + (LEVEL_PLANES * (long)level + 3) * plane + p);
   }
-  const vf w = squares > noise ? 1.0f - noise / squares : (vf)0.0f;
-#if ON_GRID
-  return rint(5.0f * w) * 0.2f;  // the risk is a parabola: the nearest point is the best
-#else
-  return w;
-#endif
 }
 
 // output: RGB over the pixels [x0, x1) x [y0, y1) of the outer region. Invalid pixels keep their colour.
 kernel void sure_reconstruct(global const float* restrict input, int w, int h, global const float* restrict guides,
-                             global const float* restrict levels, global const float* restrict details, int stride,
-                             long plane, long origin, int x0, int y0, int x1, int y1, int count,
-                             global float* restrict output) {
+                             global const float* restrict levels, int stride, long plane, long origin, int x0, int y0,
+                             int x1, int y1, int count, global float* restrict output) {
   const int row = get_global_id(1), y = y0 + row;
   const size_t area = (size_t)w * h, out_area = (size_t)(x1 - x0) * (y1 - y0);
   if (y >= y1) return;
@@ -257,7 +264,7 @@ kernel void sure_reconstruct(global const float* restrict input, int w, int h, g
 #if LITERAL
       const vf weight = 0.2f;
 #else
-      const vf weight = best_weight(details + 2 * level * plane, stride, plane, p, 1 << level);
+      const vf weight = load(levels + (LEVEL_PLANES * (long)level + 3) * plane + p);
 #endif
       for (int c = 0; c < 3; ++c) {
         const vf fine = load(levels + (LEVEL_PLANES * (long)level + c) * plane + p);

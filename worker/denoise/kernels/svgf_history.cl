@@ -15,23 +15,25 @@
 #define KEPT_TRACE (KEPT_LENGTH + 1)
 #define TOTALS (KEPT_LENGTH + 1)
 
-vf clamped_step(vf d) {
+INLINE vf clamped_step(vf d) {
   d = d < (vf)1e18f ? d : (vf)1e18f;
   return d > (vf)-1e18f ? d : (vf)-1e18f;
 }
 
-vi variance_like(vf v) { return (v >= (vf)0.0f) & (v <= (vf)LARGEST_VARIANCE); }
+INLINE vi variance_like(vf v) { return (v >= (vf)0.0f) & (v <= (vf)LARGEST_VARIANCE); }
 
 // What a tap keeps, as numbers to be averaged: light and luminance less that of now, variances as they are, the moment
 // about now's luminance. Whether all of them can be.
-vi kept_at(global const float* past, size_t area, Tap tap, const vf* light, const vf* bright, vf* value) {
+INLINE vi kept_at(global const float* past, size_t area, Tap tap, const vf* light, const vf* bright, vf* value) {
   vi fit = (vi)-1;
+#pragma unroll
   for (int c = 0; c < 6; ++c) {
     const vf v = at_tap(past + c * area, tap);
     fit &= ordinary(v);
     value[c] = v - light[c];
   }
 #ifdef MOMENTS
+#pragma unroll
   for (int s = 0; s < 2; ++s) {
     const vf mean = at_tap(past + (6 + 2 * s) * area, tap), variance = at_tap(past + (7 + 2 * s) * area, tap);
     fit &= ordinary(mean) & variance_like(variance);
@@ -39,6 +41,7 @@ vi kept_at(global const float* past, size_t area, Tap tap, const vf* light, cons
     value[7 + 2 * s] = fma(value[6 + 2 * s], value[6 + 2 * s], variance);
   }
 #else
+#pragma unroll
   for (int s = 0; s < 2; ++s) {
     value[6 + s] = at_tap(past + (6 + s) * area, tap);
     fit &= variance_like(value[6 + s]);
@@ -48,8 +51,9 @@ vi kept_at(global const float* past, size_t area, Tap tap, const vf* light, cons
   return fit & (value[KEPT_LENGTH] >= (vf)1.0f) & (value[KEPT_LENGTH] <= (vf)LONGEST_HISTORY);
 }
 
-// signal, raw: of this frame; accumulated where they lie, with MOMENTS the signal's variance too. guides: plane 4 becomes
-// the history's length. alpha: of light, of the moments. Keeps all but the light, over the pixels [x0, x1) x [y0, y1).
+// guides, signal, raw: as `prepare` makes them, but accumulated, with MOMENTS the signal's variance too; guides' plane
+// 4 is the history's length. alpha: of light, of the moments. Keeps all but the light, over the pixels
+// [x0, x1) x [y0, y1).
 kernel void svgf_accumulate(global const float* restrict input, int w, int h, global float* restrict guides,
                             global float* restrict signal, global float* restrict raw, int stride, long plane,
                             long origin, PAST_ARGUMENTS, int x0, int y0, int x1, int y1,
@@ -61,13 +65,16 @@ kernel void svgf_accumulate(global const float* restrict input, int w, int h, gl
     global const float* in = input + (size_t)y * w + x;
     const int n = w - x;
     const size_t p = origin + (size_t)y * stride + x;
-    const vi valid = load(guides + p) < (vf)INFINITY;
+    const Pixels now = pixels_at(in, area, n);
+    const vi valid = now.valid;
+    const vf* light = now.light;
     const Trace trace = expected_trace(in, area, n);
     Seen seen = SEEN_FROM(in, area, n, x, y);
     seen.wanted &= valid;
-    vf light[6], bright[2], total[TOTALS], sum = 0.0f;
-    for (int c = 0; c < 6; ++c) light[c] = load(signal + c * plane + p);
+    vf bright[2], total[TOTALS], sum = 0.0f;
+#pragma unroll
     for (int s = 0; s < 2; ++s) bright[s] = luminance(light[3 * s], light[3 * s + 1], light[3 * s + 2]);
+#pragma unroll
     for (int c = 0; c < TOTALS; ++c) total[c] = 0.0f;
     FOR_EACH_PAST_TAP(seen, sum, total, TOTALS, 13, {
       taken = same_surface(trace, past + KEPT_TRACE * past_area, past_area, tap);
@@ -76,11 +83,14 @@ kernel void svgf_accumulate(global const float* restrict input, int w, int h, gl
     })
     const vf length = longer(sum, total[KEPT_LENGTH]), per_sum = sum > (vf)0.0f ? 1.0f / sum : (vf)0.0f;
     const vf old = (1.0f - weight_of_now(length, alpha.x, plain)) * per_sum;
+    store_guides(&now, guides, plane, p);
+#pragma unroll
     for (int c = 0; c < 6; ++c) store(fma(old, total[c], light[c]), signal + c * plane + p);
     store(valid ? length : (vf)0.0f, guides + 4 * plane + p);
     vf kept[KEPT_STATISTICS];
 #ifdef MOMENTS
     const vf older = (1.0f - weight_of_now(length, alpha.y, plain)) * per_sum;
+#pragma unroll
     for (int s = 0; s < 2; ++s) {
       const vf step = older * total[6 + 2 * s], variance = fma(older, total[7 + 2 * s], -step * step);
       kept[2 * s] = bright[s] + step;
@@ -88,15 +98,17 @@ kernel void svgf_accumulate(global const float* restrict input, int w, int h, gl
       store(kept[2 * s + 1], signal + (6 + s) * plane + p);
     }
 #else
-    const vf now = weight_of_now(length, alpha.x, plain), squared = (1.0f - now) * (1.0f - now) * per_sum;
+    const vf share = weight_of_now(length, alpha.x, plain), squared = (1.0f - share) * (1.0f - share) * per_sum;
+#pragma unroll
     for (int s = 0; s < 2; ++s) {
-      const vf variance = fma(squared, total[6 + s], now * now * load(raw + (6 + s) * plane + p));
+      const vf variance = fma(squared, total[6 + s], share * share * now.variance[s]);
       kept[s] = variance < (vf)LARGEST_VARIANCE ? variance : (vf)LARGEST_VARIANCE;
       store(kept[s], raw + (6 + s) * plane + p);
     }
 #endif
     if (y < y0 || y >= y1) continue;
     global float* out = output + (size_t)(y - y0) * (x1 - x0) + (x - x0);
+#pragma unroll
     for (int s = 0; s < KEPT_STATISTICS; ++s)
       store_between(valid ? kept[s] : (vf)0.0f, out + (3 + 6 + s) * out_area, x, x0, x1);
     store_between(valid ? length : (vf)0.0f, out + (3 + KEPT_LENGTH) * out_area, x, x0, x1);
@@ -112,6 +124,7 @@ kernel void keep_light(global const float* restrict signal, int stride, long pla
   if (y >= y1) return;
   FOR_EACH_VECTOR(x, x0, x1) {
     const size_t p = origin + (size_t)y * stride + x;
+#pragma unroll
     for (int c = 0; c < 6; ++c)
       store_first(load(signal + c * plane + p), output + (3 + c) * out_area + (size_t)row * (x1 - x0) + (x - x0),
                   x1 - x);
