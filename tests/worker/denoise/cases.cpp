@@ -136,18 +136,26 @@ const std::vector<FilterCase>& filter_cases() {
       // Where light spans sixty decades, variances accumulated over frames decide the smallest weights; and
       // of two pixels that were fireflies the difference is what is left of their digits. What does not vary
       // at all has a variance of 0 or of a rounding.
+      //
+      // Where the variance is the picture's, a firefly's weight on its neighbours errs by nearly 1e-4 for the
+      // reasons above. To that add two roundings of an exponent in each of five levels, by up to 32 of 2^23
+      // of an octave, which are 2.64e-6 of a weight: 2.64e-5.
       {.text = "svgf:history=on", .extreme = 0, .firefly = 1e-9},
       {.text = "svgf:history=on,average=exponential,feedback=0,variance=spatial",
+       .relative = 1.264e-4,
        .extreme = 0,
        .of_largest = 1e-12},
-      {.text = "svgf:history=on,feedback=2,variance=spatial", .extreme = 0, .of_largest = 1e-12},
+      {.text = "svgf:history=on,feedback=2,variance=spatial",
+       .relative = 1.264e-4,
+       .extreme = 0,
+       .of_largest = 1e-12},
       {.text = "svgf:history=on,levels=2,taa=on",
        .relative = 5e-4,
        .extreme = 0,
        .firefly = 2e-7,
        .wide_past = false,
        .taa = true},
-      {.text = "svgf:variance=spatial", .extreme = 0},
+      {.text = "svgf:variance=spatial", .relative = 1.264e-4, .extreme = 0},
   };
   return cases;
 }

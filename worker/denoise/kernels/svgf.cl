@@ -26,7 +26,8 @@ Surface surface_at(global const float* guides, int stride, long plane, size_t p,
   return s;
 }
 
-// EXPONENT_UNIT over the depth difference at which w_z has fallen to 1/2, for the pixels (i, j) * step away on either side.
+// EXPONENT_UNIT over the depth difference at which w_z has fallen to 1/2, for the pixels (i, j) * step away on either
+// side.
 // reach = sigma_z * step * ln 2.
 vf depth_scale(Surface s, int i, int j, float reach) {
   return EXPONENT_UNIT / fma(fabs(fma(s.slope_x, (vf)(float)i, s.slope_y * (float)j)), (vf)reach, s.tolerance);
