@@ -39,6 +39,8 @@ void append(std::vector<Channel>& to, std::initializer_list<Aov>, Statistic = St
 
 // Operations of exp2_of_negative in the kernels (worker/denoise/kernels/common.cl).
 inline constexpr double kExpFlops = 15;
+// And of number_of, with the bound that keeps its exponent from falling below 0.
+inline constexpr double kNumberFlops = 10;
 // And of weight_of (worker/denoise/kernels/window.cl).
 inline constexpr double kWeightFlops = 12;
 // And of the one of the a-trous levels (worker/denoise/kernels/geometry.cl): bound, whole number, bits,

@@ -64,7 +64,7 @@ std::vector<Pass> passes(const ParameterValues& v) {
   const int radius = static_cast<int>(v.find("radius")->second), images = smooths_guides(v) ? 7 : 1;
   const double taps = (2.0 * radius + 1) * (2.0 * radius + 1) - 1;
   constexpr double kTap =
-      7 + 7 + 7 + 4 + kExpFlops + 1 + 3 * 3;  // differences, magnitudes, maxima, scales; sums
+      7 + 7 + 7 + 4 + kNumberFlops + 1 + 3 * 3;  // differences, magnitudes, maxima, scales; sums
   return {{"nlm_mean_of_exp", 1, shape.reach(), images * nlm_mean_of_exp_flops(shape), 1.0 + images * 3},
           {"fdf_filter", 1, radius, taps * kTap, 9 + 3 + 3}};
 }

@@ -106,18 +106,18 @@ NlmShape nlm_shape(const ParameterValues& v) {
           .halves = halves ? 2 : 1};
 }
 
-// The quotient of a pair of pixels serves both directions.
+// Numbers are of one offset; what a pair of pixels shares counts half. Down a column as many rows as the
+// patch's radius are summed first.
 double nlm_flops(const NlmShape& s) {
   const double reciprocals = s.halves == 2 ? 3 + 11 : 11;
-  const double distance =
-      0.5 * s.channels * (reciprocals + s.halves * (1 + 1 + 1 + 2 + 1 + 2 + 2)) + s.halves;
-  const double sums = 2.0 * 2 * s.patch;
-  return s.offsets() * (distance + s.halves * (sums + 2 + 1 + kExpFlops + 1 + 1 + 3 * s.channels));
+  const double distance = 0.5 * s.channels * (reciprocals + s.halves * (1 + 1 + 1 + 3 * 2)) + s.halves;
+  const double sums = (s.patch + 1) + 2.0 * s.patch;
+  return s.offsets() * (distance + s.halves * (sums + 2 + 1 + kNumberFlops + 1 + 1 + 3 * s.channels));
 }
 
 double nlm_mean_of_exp_flops(const NlmShape& s) {
-  const double pair = 2 + 2 + 1 + 11 + 1 + kExpFlops;
-  return s.offsets() * (0.5 * pair + 2.0 * 2 * s.patch + 1 + 1 + 3 * s.channels);
+  const double pair = 2 + 2 + 1 + 11 + 2 + kNumberFlops + (s.patch + 1);
+  return s.offsets() * (0.5 * pair + 2.0 * s.patch + 1 + 1 + 3 * s.channels);
 }
 
 // A table row is longer than the tile's by what offsets and patches reach, and by the rest of a vector.
@@ -125,7 +125,10 @@ double nlm_scratch(const NlmShape& s) {
   constexpr double kVector = 16, kUneven = 1.6;
   const double longer = (kNlmColumns + 2.0 * s.patch + s.radius + kNlmGroup + kVector) / kNlmColumns;
   const double higher = (kNlmRows + 1.0 * s.radius) / kNlmRows;
-  return kUneven * (s.halves * (s.channels + 1) + kNlmGroup * (2 * s.halves + 1) * longer * higher);
+  const double wider = (kNlmColumns + 2.0 * s.reach() + kNlmGroup + 2 * kVector) / kNlmColumns;
+  const double taller = (kNlmRows + 2.0 * s.reach()) / kNlmRows;
+  return kUneven * (s.halves * (s.channels + 1) + (2 * s.halves * s.channels + 1) * wider * taller +
+                    kNlmGroup * (2 * s.halves + 1) * longer * higher);
 }
 
 FilterDescription describe_nlm() {

@@ -38,7 +38,8 @@ int disc(int radius) {
 }
 
 std::vector<Pass> passes(const ParameterValues& values) {
-  constexpr double kTap = 3 * 4 + 6 * 3 + kExpFlops + 3 * 3 + 2;  // tests, guides, exponential, colour, sums
+  constexpr double kTap =
+      3 * 4 + 6 * 3 + kNumberFlops + 3 * 3 + 2;  // tests, guides, exponential, colour, sums
   const int radius = static_cast<int>(values.find("radius")->second);
   return {{.kernel = "statmc_gather",
            .radius = radius,

@@ -8,15 +8,15 @@
 #include "kernels.h"
 #include "worker/denoise/filters/nlm.h"
 #include "worker/denoise/programs.h"
+#include "worker/denoise/window.h"
 
 namespace tessera {
 namespace {
 
 int signals(const FilterPlan& plan) { return plan.is("guides", "prefiltered") ? 7 : 1; }
 
-// The kernel takes exponents to base 2.
 cl_float4 scales(const FilterPlan& p) {
-  const auto scale = [](double most) { return static_cast<float>(std::numbers::log2e / most); };
+  const auto scale = [](double most) { return static_cast<float>(kOctave * std::numbers::log2e / most); };
   return {{scale(p["t_max"]), scale(p["n_max"]), scale(p["s_max"]), 0}};
 }
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "worker/denoise/filters/nlm.h"
@@ -25,7 +26,7 @@ std::string nlm_options(const NlmShape& s, bool soft) {
 }
 
 cl_float2 nlm_variance(const NlmTuning& t) {
-  return {{static_cast<float>(t.alpha), static_cast<float>(t.epsilon * t.alpha / (2 * t.k * t.k))}};
+  return {{static_cast<float>(t.alpha), static_cast<float>(1.5 * t.epsilon * t.alpha / (t.k * t.k))}};
 }
 
 Nlm::Nlm(Stage& s, const Region& over, const NlmShape& shape) : stage_(s), over_(over), shape_(shape) {
@@ -37,19 +38,23 @@ Nlm::Nlm(Stage& s, const Region& over, const NlmShape& shape) : stage_(s), over_
   groups_ = std::min(kGroups, parts(wide, columns_) * parts(over.height(), rows_));
   const int width = rounded_up(columns_ + 2 * shape.patch + shape.radius + kNlmGroup, vector);
   const int height = rows_ + shape.radius;
-  room_ = shape.halves * (shape.channels + 1) * columns_ * rows_ +
+  const int pitch = rounded_up(columns_ + 2 * shape.reach() + kNlmGroup + vector, vector);
+  room_ = (2 * shape.halves * shape.channels + 1) * pitch * (rows_ + 2 * shape.reach()) +
+          shape.halves * (shape.channels + 1) * columns_ * rows_ +
           kNlmGroup * (2 * shape.halves + 1) * width * height;
   scratch_ = s.scratch(static_cast<std::size_t>(groups_) * room_);
 }
 
 void Nlm::run(const Planes& valid, const Planes& signals, int first, const Planes& to, int first_to,
               const NlmTuning& t) {
-  const double a = t.alpha / (t.k * t.k) * std::numbers::log2e;
+  constexpr double kOctave = 1 << 23, kOne = 127 * kOctave;  // as the kernels count exponents of weights
+  const double a = t.alpha / (t.k * t.k), mean = a * std::numbers::log2e * kOctave / shape_.channels;
   const int taps = 2 * shape_.patch + 1;
-  const cl_float4 k{{static_cast<float>(a), static_cast<float>(a / (taps * taps * shape_.channels)),
-                     static_cast<float>(t.threshold), static_cast<float>(t.epsilon * t.alpha / (t.k * t.k))}};
+  const cl_float4 k{{static_cast<float>(mean / (taps * taps)), static_cast<float>(mean),
+                     static_cast<float>(std::max(0.0, kOne + kOctave * std::log2(t.threshold))),
+                     static_cast<float>(t.epsilon * a)}};
   stage_.run("nlm", {0, 0, 1, groups_}, 1, valid, signals, first, to, first_to, stage_.layout(), over_,
-             columns_, rows_, scratch_, room_, k);
+             columns_, rows_, scratch_, room_, k, static_cast<float>(t.threshold));
 }
 
 void Nlm::mean_of_exp(const Planes& valid, const Planes& signals, int first, const Planes& to, int first_to) {

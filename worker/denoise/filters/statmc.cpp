@@ -8,6 +8,7 @@
 
 #include "kernels.h"
 #include "worker/denoise/programs.h"
+#include "worker/denoise/window.h"
 
 namespace tessera {
 namespace {
@@ -60,16 +61,16 @@ std::string options(const FilterPlan& plan) {
 }
 
 void run(Stage& s) {
-  const auto binary_exponent = [](double sigma) { return std::numbers::log2e / (2 * sigma * sigma); };
+  const auto of_exponent = [](double sigma) { return kOctave * std::numbers::log2e / (2 * sigma * sigma); };
   const auto scale = [&](std::string_view sigma) {
-    return static_cast<float>(std::sqrt(binary_exponent(s.plan()[sigma])));
+    return static_cast<float>(std::sqrt(of_exponent(s.plan()[sigma])));
   };
   const Planes guides = s.planes(6, std::numeric_limits<float>::infinity());
   const Planes tests = s.planes(6), colors = s.planes(3);
   s.run("prepare", s.outer(), 1, s.input(), s.outer().width(), s.outer().height(), guides, tests, colors,
         s.layout(), scale("sigma_a"), scale("sigma_n"));
   s.run("statmc_gather", s.inner(), 1, s.input(), s.outer().width(), s.outer().height(), guides, tests,
-        colors, s.layout(), Exactly{s.inner()}, static_cast<float>(binary_exponent(s.plan()["sigma_s"])),
+        colors, s.layout(), Exactly{s.inner()}, static_cast<float>(of_exponent(s.plan()["sigma_s"])),
         s.output());
 }
 

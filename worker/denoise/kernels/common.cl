@@ -57,6 +57,25 @@ vf exp2_of_negative(vf t) {
   return e * as_vf(as_vi(shifted) << 23);
 }
 
+// Exponents of weights may be counted in float's own bits, from that of 1: 2^t has the exponent (t + 127) 2^23. So
+// planes are scaled by 2^11.5 more, and an exponent becomes a number by few instructions.
+#define OF_ONE 1065353216.0f
+
+// The number whose exponent is e, 0 <= e <= OF_ONE. Relative error below 4e-6, and 3e-6 for each rounding of e; exactly
+// 1 at OF_ONE and 0 at 0. The mantissa m in [1, 2) becomes 2^(m - 1) by a minimax polynomial of degree 4 that is 1 at 1
+// and stays below 2. Two thirds of the cost of exp2_of_negative.
+vf number_of(vf e) {
+  const vi bits = to_int(e);
+  const vf m = as_vf((bits & 0x007fffff) | 0x3f800000);
+  vf p = 0.0134266838f;
+  p = fma(p, m, (vf)-0.00146426295f);
+  p = fma(p, m, (vf)0.165112883f);
+  p = fma(p, m, (vf)0.313505113f);
+  p = fma(p, m, (vf)0.50941956f);
+  const int exponent = 0xff800000;
+  return as_vf((as_vi(p) & ~exponent) | (bits & exponent));
+}
+
 vf luminance(vf r, vf g, vf b) { return fma((vf)0.2126f, r, fma((vf)0.7152f, g, 0.0722f * b)); }
 
 // 1 (all bits) where |x| is an ordinary number.

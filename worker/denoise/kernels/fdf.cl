@@ -64,7 +64,7 @@ vf fdf_difference(global const float* guides, long plane, size_t q, const vf* ce
       fabs(nlm_load(guides + 2 * plane + q) - centre[2]));
 }
 
-// k: log2(e) over the largest differences of albedo, of normals, and of shading at one sample.
+// k: what is taken off a weight's exponent by the largest differences of albedo, of normals, and of shading at one sample.
 kernel void fdf_filter(global const float* restrict valid, global const float* restrict guides,
                        global const float* restrict colors, global float* restrict to, int stride, long plane,
                        long origin, int x0, int y0, int x1, int y1, float4 k) {
@@ -90,7 +90,8 @@ kernel void fdf_filter(global const float* restrict valid, global const float* r
         const vf shading = fabs(nlm_load(guides + 6 * plane + q) - guide[6]) *
                            (shading_scale * nlm_load(guides + 7 * plane + q));
         const vf distance = larger(larger(albedo, normal), larger(shading, nlm_load(valid + q)));
-        const vf weight = exp2_of_negative(-distance);
+        const vf exponent = OF_ONE - distance;
+        const vf weight = number_of(exponent > (vf)0.0f ? exponent : (vf)0.0f);
         sum += weight;
 #pragma unroll
         for (int c = 0; c < 3; ++c)

@@ -12,17 +12,30 @@
 // vectors shares the pieces and puts them together at several times the cost.
 #if VW == 1
 #define nlm_load load
+#define nlm_save store
 #else
 typedef vf nlm_unaligned __attribute__((aligned(4)));
 #define nlm_load(p) (*(global const nlm_unaligned*)(p))
+#define nlm_save(v, p) (*(global nlm_unaligned*)(p) = (v))
 #endif
 
 // The two cases of `whole` are two programs.
 #define NLM_INLINE __attribute__((always_inline))
 #if VW == 1
-#define NLM_ANY(lanes) (lanes)
+int nlm_any(vi lanes) { return lanes; }
 #else
-#define NLM_ANY(lanes) any(lanes)
+// The library's any() is a branch for each lane to the compiler.
+int nlm_any(vi lanes) {
+#if VW == 16
+  const long8 pairs = as_long8(lanes);
+  return (pairs.s0 | pairs.s1 | pairs.s2 | pairs.s3 | pairs.s4 | pairs.s5 | pairs.s6 | pairs.s7) != 0;
+#elif VW == 8
+  const long4 pairs = as_long4(lanes);
+  return (pairs.s0 | pairs.s1 | pairs.s2 | pairs.s3) != 0;
+#else
+  return any(lanes);
+#endif
+}
 #endif
 
 // 1 / d for ordinary d > 0, relative error below 4e-6: the exponent negated by subtracting bits, then e = 1 -
@@ -38,19 +51,39 @@ vf nlm_reciprocal(vf d) {
 // The part of the picture that is worked on at a time, for one group of offsets.
 typedef struct {
   int x, y, columns, rows;  // its pixels; columns: rounded up to whole vectors
+  int pitch;                // of its own copy of the planes
   int dy, dx, offsets;      // the offsets (dx, dy) .. (dx + offsets - 1, dy)
-  int left, above;          // pixel of the first sum
+  int left, above;          // pixel of the first sum, seen from (x, y)
   int width, height;        // of a map of sums; width: whole vectors
 } NlmTile;
 
 // The tables that the group of offsets needs, for pixels as far as its patches and opposite offsets reach.
 NlmTile nlm_with_tables(NlmTile t) {
   const int ahead = max(t.dx + t.offsets - 1, 0), behind = max(-t.dx, 0);
-  t.left = t.x - NLM_PATCH - ahead;
-  t.above = t.y - t.dy;
+  t.left = -NLM_PATCH - ahead;
+  t.above = -t.dy;
   t.height = t.rows + t.dy;
   t.width = (t.columns + 2 * NLM_PATCH + ahead + behind + VW - 1) / VW * VW;
   return t;
+}
+
+// A tile's own copy of what its windows and patches reach: row after row, of each row plane after plane, so
+// that it lies on few pages of memory. A table may be wider than what is reached, by the rest of a vector.
+#define NLM_REACH (NLM_RADIUS + NLM_PATCH)
+int nlm_pitch(int columns) { return (columns + 2 * NLM_REACH + NLM_GROUP + 2 * VW - 1) / VW * VW; }
+// Where the pixel (x, y) lies, seen from the tile's first, and floats of the whole copy.
+long nlm_own(NlmTile t, int planes, int x, int y) {
+  return (long)(NLM_REACH + y) * planes * t.pitch + NLM_REACH + x;
+}
+long nlm_own_floats(NlmTile t, int planes) { return (long)(t.rows + 2 * NLM_REACH) * planes * t.pitch; }
+
+// Copies a plane; the rest of a row becomes 0.
+void nlm_copy(global const float* from, int stride, long origin, NlmTile t, int planes, global float* to) {
+  for (int y = -NLM_REACH; y < t.rows + NLM_REACH; ++y, to += planes * t.pitch) {
+    global const float* row = from + origin + (long)(t.y + y) * stride + t.x - NLM_REACH;
+    for (int i = get_local_id(0) * VW; i < t.pitch; i += get_local_size(0) * VW)
+      nlm_save(i < t.columns + 2 * NLM_REACH ? nlm_load(row + i) : (vf)0.0f, to + i);
+  }
 }
 
 // Tile number n of those of columns x rows (whole vectors) over [x0, x1) x [y0, y1).
@@ -61,6 +94,7 @@ NlmTile nlm_tile_of(int n, int x0, int y0, int x1, int y1, int columns, int rows
   t.y = y0 + n / across * rows;
   t.columns = (min(columns, x1 - t.x) + VW - 1) / VW * VW;
   t.rows = min(rows, y1 - t.y);
+  t.pitch = nlm_pitch(t.columns);
   return t;
 }
 int nlm_tiles(int x0, int y0, int x1, int y1, int columns, int rows) {
@@ -85,19 +119,26 @@ int nlm_groups() { return get_num_groups(0) * get_num_groups(1); }
 // the pixel's distance from that at the other end.
 long nlm_site(NlmTile t, int i, int row, int g, int back) {
   const int dx = back ? t.dx + g : 0, dy = back ? t.dy : 0;
-  return (long)(t.y + row - dy - t.above) * t.width + (t.x + i - dx - t.left);
+  return (long)(row - dy - t.above) * t.width + (i - dx - t.left);
 }
-long nlm_step(NlmTile t, int stride, int g, int back) {
-  const long step = (long)t.dy * stride + t.dx + g;
+long nlm_step(NlmTile t, int planes, int g, int back) {
+  const long step = (long)t.dy * planes * t.pitch + t.dx + g;
   return back ? -step : step;
 }
 
-// The last 2 NLM_PATCH + 1 of what a ring was given, number y the last of them, in the order in which it was.
-vf nlm_ring_sum(const vf* ring, int y) {
-  vf sum = ring[(y - 2 * NLM_PATCH) & (NLM_RING - 1)];
+// The last rows of what is summed down a column: themselves, and sums of the last NLM_PATCH.
+typedef struct {
+  vf rows[NLM_RING], sums[NLM_RING];
+} NlmRing;
+
+// Takes what row y has. The sum of the last 2 NLM_PATCH + 1 rows, of which there must have been as many.
+NLM_INLINE vf nlm_ring_sum(NlmRing* ring, int y, vf row) {
+  vf sum = row;
 #pragma unroll
-  for (int k = 2 * NLM_PATCH - 1; k >= 0; --k) sum += ring[(y - k) & (NLM_RING - 1)];
-  return sum;
+  for (int k = 1; k < NLM_PATCH; ++k) sum += ring->rows[(y - k) & (NLM_RING - 1)];
+  ring->rows[y & (NLM_RING - 1)] = row;
+  ring->sums[y & (NLM_RING - 1)] = sum;
+  return sum + ring->sums[(y - NLM_PATCH) & (NLM_RING - 1)] + ring->rows[(y - 2 * NLM_PATCH) & (NLM_RING - 1)];
 }
 
 // The sum of 2 NLM_PATCH + 1 neighbours in a row of a table.
@@ -110,12 +151,11 @@ vf nlm_across(global const float* sums) {
 
 // Every pixel that the tile's windows and patches reach is valid.
 int nlm_is_whole(global const float* valid, int stride, long origin, NlmTile t) {
-  const int reach = NLM_RADIUS + NLM_PATCH;
-  for (int y = t.y - reach; y < t.y + t.rows + reach; ++y) {
+  for (int y = t.y - NLM_REACH; y < t.y + t.rows + NLM_REACH; ++y) {
     vi missing = 0;
-    for (int x = t.x - reach; x < t.x + t.columns + reach; x += VW)
+    for (int x = t.x - NLM_REACH; x < t.x + t.columns + NLM_REACH; x += VW)
       missing |= !(nlm_load(valid + origin + (long)y * stride + x) < (vf)INFINITY);
-    if (NLM_ANY(missing)) return 0;
+    if (nlm_any(missing)) return 0;
   }
   return 1;
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The statistical denoiser of Sakai et al. 2024: a joint bilateral filter by albedo and normal that takes only pixels
 // whose means no test tells apart.
-//   guides: 0..2 albedo (0 is +infinity at invalid pixels)   3..5 unit normal, both in units of their sigma
+//   guides: 0..2 albedo (0 is +infinity at invalid pixels)   3..5 unit normal, both such that
+//   squared differences are what their Gaussians take off a weight's exponent
 //   tests: 0..2 means of the transformed samples, corrected for skewness   3..5 squared half-widths of their intervals
 //   colors: RGB
 // RADIUS: of the disc. TABLE, T_SQUARED: squared quantiles of Student's t by samples, 0 to TABLE. T0..T4: for more.
@@ -85,7 +86,7 @@ int half_width(int j) {
   return i;
 }
 
-// k: log2(e) over twice the squared spatial sigma. output: RGB over the pixels [x0, x1) x [y0, y1) of the outer region.
+// k: what a distance of one pixel takes off a weight's exponent. output: RGB over the pixels [x0, x1) x [y0, y1) of the outer region.
 kernel void statmc_gather(global const float* restrict input, int w, int h, global const float* restrict guides,
                           global const float* restrict tests, global const float* restrict colors, int stride,
                           long plane, long origin, int x0, int y0, int x1, int y1, float k,
@@ -117,14 +118,14 @@ kernel void statmc_gather(global const float* restrict input, int w, int h, glob
           const vf d = load(tests + c * plane + q) - middle[c];
           same &= fma(d, d, -load(tests + (3 + c) * plane + q)) <= width[c];
         }
-        vf exponent = -k * (float)(i * i + j * j);
+        vf exponent = OF_ONE - k * (float)(i * i + j * j);
 #pragma unroll
         for (int c = 0; c < 6; ++c) {
           const vf d = load(guides + c * plane + q) - guide[c];
           exponent = fma(-d, d, exponent);
         }
-        const vf e = exp2_of_negative(exponent);
-        const vf weight = same ? e : (vf)0.0f;
+        exponent = exponent > (vf)0.0f ? exponent : (vf)0.0f;
+        const vf weight = number_of(same ? exponent : (vf)0.0f);
         sum += weight;
 #pragma unroll
         for (int c = 0; c < 3; ++c) total[c] = fma(weight, load(colors + c * plane + q) - color[c], total[c]);

@@ -10,9 +10,7 @@
 // so that their weight is exactly 0, and 0 times it is 0.
 #define FAR 1e38f
 
-// Exponents of weights are counted in float's own bits, from that of 1: 2^t has the exponent (t + 127) 2^23. So
-// planes are scaled by 2^11.5 more, and an exponent becomes a number by three instructions.
-#define OF_ONE 1065353216.0f
+// Of an octave of weights' exponents, counted as in common.cl.
 #define UNIT 8388608.0f
 
 // The number whose exponent is e <= OF_ONE. Relative error below 9e-5 (and 4e-6 for each rounding of e); exactly 1 at
