@@ -36,9 +36,9 @@ FrameImage worked_off(const Job& job, unsigned seed, float noise = 0.6f) {
       if (const auto* render = std::get_if<RenderTask>(&work))
         add(frame.fold(rendered(*render, frame.layout(), noise)));
       else
-        frame.stitch(std::get<FilterTask>(work),
-                     filtered(std::get<FilterTask>(work), frame.filter_input(std::get<FilterTask>(work)), job,
-                              frame.layout()));
+        frame.stitch(
+            std::get<FilterTask>(work),
+            filtered(std::get<FilterTask>(work), frame.filter_input(std::get<FilterTask>(work)), job));
     }
     if (frame.round_complete()) {
       EXPECT_TRUE(todo.empty()) << "a round that is complete leaves no work";

@@ -34,10 +34,11 @@ inline Block leaf(const Region& region, int begin, const FilmLayout& layout, flo
         const Half half = s % 2 == 0 ? Half::a : Half::b;
         block.sums.at(FilmLayout::count(half), x, y) += 1;
         block.sums.at(FilmLayout::hits(half), x, y) += 1;
-        for (int c = 0; c < 3; ++c) {
-          block.sums.at(layout.sum(Aov::color, c, half), x, y) += value;
-          block.sums.at(layout.square(Aov::color, c, half), x, y) += value * value;
-        }
+        for (const Aov aov : {Aov::color, Aov::direct})  // all of it is direct light
+          for (int c = 0; layout.aovs().has(aov) && c < 3; ++c) {
+            block.sums.at(layout.sum(aov, c, half), x, y) += value;
+            block.sums.at(layout.square(aov, c, half), x, y) += value * value;
+          }
       }
   return block;
 }
@@ -87,14 +88,15 @@ inline Filtered filtered_given(const FilterTask& task, const FilterInput& input,
 }
 
 // A made-up filter: none at all; of a temporal one, half of what was there before, which is all it keeps.
-inline Filtered filtered(const FilterTask& task, const FilterInput& input, const Job& job,
-                         const FilmLayout& layout) {
+inline Filtered filtered(const FilterTask& task, const FilterInput& input, const Job& job) {
   if (job.given) return filtered_given(task, input, job);
+  const FilmLayout layout(filter_aovs(job));
+  const Aov light = layout.aovs().has(Aov::color) ? Aov::color : Aov::direct;
   Filtered out(task.tile.inner, filtered_planes(job.filter));
   const Image inner = cropped(input.film, task.tile.inner);
   int plane = 0;
   for (const Part part : {Part::all, Part::a, Part::b}) {
-    const Image image = developed(inner, layout, channels_of(Aov::color), part);
+    const Image image = developed(inner, layout, channels_of(light), part);
     for (int c = 0; c < 3; ++c, ++plane)
       std::copy(image.plane(c).begin(), image.plane(c).end(), out.plane(plane).begin());
   }

@@ -90,7 +90,7 @@ class Forgetful {
       add(frame_->fold(std::move(block)));
     } else {
       const FilterTask& task = std::get<FilterTask>(work);
-      const Filtered planes = filtered(task, frame_->filter_input(task), job_, layout_);
+      const Filtered planes = filtered(task, frame_->filter_input(task), job_);
       journal_->append(accepted, planes);
       frame_->stitch(task, planes);
     }
@@ -249,8 +249,7 @@ FrameSnapshot snapshot_of(const Job& job) {
       add(frame.fold(rendered(*render, frame.layout(), kNoise)));
     else
       frame.stitch(std::get<FilterTask>(work),
-                   filtered(std::get<FilterTask>(work), frame.filter_input(std::get<FilterTask>(work)), job,
-                            frame.layout()));
+                   filtered(std::get<FilterTask>(work), frame.filter_input(std::get<FilterTask>(work)), job));
     if (frame.round_complete()) add(frame.look({}));
   }
   return frame.snapshot();
