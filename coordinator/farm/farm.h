@@ -103,6 +103,8 @@ class Farm {
   void keep_limits();
   void end_jobs();
   void end(OpenJob& job, JobState how, const std::string& reason);
+  void forget_if_alone(const JobName& name);
+  std::optional<JobName> comes_before(const JobName& name) const;  // an open job that waits for this one
   void note(const OpenJob& job, const std::string& text) { note(job.record.number, text); }
   void note(std::uint64_t job, const std::string& text);
   void have_trouble(const std::string& what);

@@ -148,9 +148,8 @@ void Farm::set_priority(const JobName& name, int priority) {
 void Farm::remove(const JobName& name) {
   if (open_.contains(name))
     throw Error(ExitCode::bad_usage, fmt::format("job {} is not over; accepted: one that is", name));
-  for (const auto& [other, job] : open_)
-    if (std::ranges::count(job.submission.after, name) > 0)
-      throw Error(ExitCode::bad_usage, fmt::format("job {} comes after job {}", other, name));
+  if (const auto other = comes_before(name))
+    throw Error(ExitCode::bad_usage, fmt::format("job {} comes after job {}", *other, name));
   const std::uint64_t number = record(name).number;
   store_.remove(number);
   spdlog::info("job {}: removed", number);

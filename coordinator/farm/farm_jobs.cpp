@@ -285,6 +285,7 @@ void Farm::end_jobs() {
 
 void Farm::end(OpenJob& job, JobState how, const std::string& reason) {
   const JobName name = job.record.job;
+  const std::vector<JobName> before = job.submission.after;
   job.record.seconds = seconds_of(job);
   if (job.shot && !coordinator_.over(*job.shot)) coordinator_.drop(*job.shot);
   job.record.state = how;
@@ -296,10 +297,19 @@ void Farm::end(OpenJob& job, JobState how, const std::string& reason) {
   previews_.forget(name);
   queue_.end(name, how);
   open_.erase(name);
-  const auto waits = [&name](const auto& other) {
-    return std::ranges::count(other.second.submission.after, name) > 0;
-  };
-  if (std::ranges::none_of(open_, waits)) queue_.forget(name);
+  forget_if_alone(name);
+  for (const JobName& other : before) forget_if_alone(other);
+}
+
+// The queue knows jobs that are over as long as others come after them.
+void Farm::forget_if_alone(const JobName& name) {
+  if (queue_.find(name) && !open_.contains(name) && !comes_before(name)) queue_.forget(name);
+}
+
+std::optional<JobName> Farm::comes_before(const JobName& name) const {
+  for (const auto& [other, job] : open_)
+    if (std::ranges::count(job.submission.after, name) > 0) return other;
+  return std::nullopt;
 }
 
 }  // namespace tessera
