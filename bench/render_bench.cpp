@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How fast paths are traced, beside what the rays alone cost in the same process.
-//   render_bench SCENE [THREADS [SAMPLES [BOUNCES [WIDTHxHEIGHT]]]]
+//   render_bench SCENE [THREADS [SAMPLES [BOUNCES [WIDTHxHEIGHT [SURE_BOUNCES]]]]]
+// SURE_BOUNCES as many as BOUNCES: without roulette.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -22,7 +23,7 @@ using namespace tracer;
 
 struct Options {
   std::string scene;
-  int threads = 2, samples = 16, bounces = 4;
+  int threads = 2, samples = 16, bounces = 4, sure = RenderSettings{}.sure_bounces;
   Size size{960, 540};
 };
 
@@ -33,6 +34,7 @@ Options parsed(int count, char** words) {
   if (count > 3) o.samples = std::stoi(words[3]);
   if (count > 4) o.bounces = std::stoi(words[4]);
   if (count > 5) std::sscanf(words[5], "%dx%d", &o.size.width, &o.size.height);
+  if (count > 6) o.sure = std::stoi(words[6]);
   return o;
 }
 
@@ -136,12 +138,12 @@ class RayBench {
 };
 
 void bench_paths(const RenderScene& scene, const Options& o) {
-  const RenderSettings settings{.size = o.size, .max_bounces = o.bounces};
+  const RenderSettings settings{.size = o.size, .max_bounces = o.bounces, .sure_bounces = o.sure};
   const auto cells = grid_cells({0, 0, o.size.width, o.size.height}, {kCellEdge, kCellEdge});
   const Spent s = timed(o.threads, cells.size(), [&](std::size_t i) {
     render(scene, settings, 0, cells[i], {0, o.samples});
   });
-  report(fmt::format("pixel samples, {} bounces", o.bounces),
+  report(fmt::format("pixel samples, {} bounces, {} sure", o.bounces, o.sure),
          double(o.size.width) * o.size.height * o.samples, s, o.threads);
 }
 
