@@ -20,8 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Millis kLook{
-    20};  // at the least between looks: the coordinator answers when there is something new
+// At the least between looks: the coordinator answers when there is something new.
+constexpr Millis kLook{20};
 
 class Fetch {
  public:

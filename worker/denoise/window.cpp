@@ -34,6 +34,10 @@ Window window(Stage& s, int planes) {
           {0, 0, kStrip, rows}};
 }
 
+float exponent_over_square(double sigma) {
+  return static_cast<float>(kOctave * std::numbers::log2e / (sigma * sigma));
+}
+
 float gaussian_scale(double sigma) {
   return static_cast<float>(std::sqrt(kOctave * std::numbers::log2e / 2) / sigma);
 }

@@ -20,6 +20,9 @@ Window window(Stage&, int planes);
 // Weights' exponents of one octave, as the kernels count them.
 inline constexpr double kOctave = 1 << 23;
 
+// What a weight exp(-x^2 / sigma^2) has taken off its exponent for each x^2.
+float exponent_over_square(double sigma);
+
 // By what a plane is multiplied so that squared differences are what a Gaussian of this sigma takes off a
 // weight's exponent.
 float gaussian_scale(double sigma);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // EAW (Dammertz et al. 2010): demodulate, accumulate over frames, five levels, modulate.
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include "kernels.h"
@@ -11,10 +10,6 @@
 
 namespace tessera {
 namespace {
-
-float exponent_over_square(double sigma) {
-  return static_cast<float>(kOctave * std::numbers::log2e / (sigma * sigma));
-}
 
 // The colour's sigma halves with every level, the others double: Dammertz et al. 2010, section 3.
 cl_float4 scalars(const FilterPlan& plan, const Pass& pass) {

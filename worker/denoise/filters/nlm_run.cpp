@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "worker/denoise/filters/nlm.h"
+#include "worker/denoise/window.h"
 
 namespace tessera {
 namespace {
@@ -47,7 +48,7 @@ Nlm::Nlm(Stage& s, const Region& over, const NlmShape& shape) : stage_(s), over_
 
 void Nlm::run(const Planes& valid, const Planes& signals, int first, const Planes& to, int first_to,
               const NlmTuning& t) {
-  constexpr double kOctave = 1 << 23, kOne = 127 * kOctave;  // as the kernels count exponents of weights
+  constexpr double kOne = 127 * kOctave;  // the exponent of a weight of 1
   const double a = t.alpha / (t.k * t.k), mean = a * std::numbers::log2e * kOctave / shape_.channels;
   const int taps = 2 * shape_.patch + 1;
   const cl_float4 k{{static_cast<float>(mean / (taps * taps)), static_cast<float>(mean),

@@ -12,10 +12,6 @@
 namespace tessera {
 namespace {
 
-float exponent_over_square(double sigma) {
-  return static_cast<float>(kOctave * std::numbers::log2e / (sigma * sigma));
-}
-
 // The illumination's deviation halves with every level (Kim et al.
 // 2016, section 2.1), or is propagated; the others' double (Dammertz et al. 2010, section 3).
 cl_float4 scalars(const FilterPlan& plan, int step) {
