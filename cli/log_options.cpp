@@ -8,6 +8,8 @@
 #include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
 
 namespace tessera {
 namespace {
@@ -15,21 +17,28 @@ namespace {
 constexpr std::array kLevels{"debug", "info", "warning", "error"};
 constexpr std::array kFormats{"text", "json"};
 
-// The message as a JSON string; bytes that are no UTF-8 are replaced.
-class JsonMessage : public spdlog::custom_flag_formatter {
+std::string json_text(std::string_view text) {  // bytes that are no UTF-8 are replaced
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+// "component: message" as two fields of a JSON object; a message alone as one.
+class JsonFields : public spdlog::custom_flag_formatter {
  public:
   void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& to) override {
-    const nlohmann::json text = std::string(message.payload.data(), message.payload.size());
-    const std::string dumped = text.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-    to.append(dumped.data(), dumped.data() + dumped.size());
+    const std::string_view all(message.payload.data(), message.payload.size());
+    const std::size_t end = all.find_first_not_of("abcdefghijklmnopqrstuvwxyz");
+    const bool parted = end != 0 && end != all.npos && all.substr(end).starts_with(": ");
+    const std::string fields = parted ? R"("component":)" + json_text(all.substr(0, end)) + R"(,"message":)" +
+                                            json_text(all.substr(end + 2))
+                                      : R"("message":)" + json_text(all);
+    to.append(fields.data(), fields.data() + fields.size());
   }
-  std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<JsonMessage>(); }
+  std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<JsonFields>(); }
 };
 
 std::unique_ptr<spdlog::formatter> json_lines() {
   auto lines = std::make_unique<spdlog::pattern_formatter>(spdlog::pattern_time_type::utc);
-  lines->add_flag<JsonMessage>('*').set_pattern(
-      R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l","message":%*})");
+  lines->add_flag<JsonFields>('*').set_pattern(R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l",%*})");
   return lines;
 }
 

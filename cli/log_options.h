@@ -16,7 +16,8 @@ struct LogOptions {
 
 void add_log_options(CLI::App&, LogOptions&);
 
-// From here on the default logger writes one line an event to stderr: UTC, level, message.
+// From here on the default logger writes one line an event to stderr: UTC, level, message. "component:
+// message", one word before the colon, is two fields of a JSON object.
 void set_up_log(const LogOptions&);
 
 }  // namespace tessera
