@@ -20,6 +20,8 @@ class Layers {
     exr_.display = job.given ? job.given->display : Region{0, 0, size.width, size.height};
   }
 
+  // So many planes will come.
+  void reserve(int planes) { data_.reserve(static_cast<std::size_t>(region_.area()) * planes); }
   void remove(const std::string& name) {
     const auto at = std::ranges::find(exr_.channels, name, &ExrChannel::name);
     if (at == exr_.channels.end()) return;
@@ -173,6 +175,7 @@ void add_rendering(ExrImage& exr, const Job& job, const FrameImage& frame, const
 
 void add_rendered(Layers& layers, const Job& job, const FrameImage& frame, const Provenance& from) {
   const Image samples = sum_of_halves(frame.sums, FilmLayout::count(Half::a));
+  layers.reserve(frame.layout.planes());  // the film has two halves of most
   layers.add("", "RGB", frame.filtered, true);
   layers.add("A", coverage(frame, samples).plane(0), true);
   layers.add("noisy", "RGB", developed(frame.sums, frame.layout, channels_of(Aov::color), Part::all), true);

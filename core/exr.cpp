@@ -40,6 +40,9 @@ constexpr int kMaxChannels = 1024;
 // A constant picture shrinks to a few bytes a chunk; nothing that shrinks more is a picture.
 constexpr std::int64_t kMaxExpansion = 1 << 16;
 constexpr float kHalfMax = 65504.0f;
+// Of zip and zips: two thirds of the time of OpenEXR's 4 for 2 % more bytes (28 layers of a frame,
+// docs/BENCHMARKS.md).
+constexpr int kZipLevel = 2;
 
 Imath::Box2i window(const Region& r) { return {{r.x0, r.y0}, {r.x1 - 1, r.y1 - 1}}; }
 
@@ -62,6 +65,7 @@ Imf::Header header_of(const ExrImage& image, Imf::Compression compression) {
   const Region display = image.display.empty() ? image.pixels.region() : image.display;
   Imf::Header header(window(display), window(image.pixels.region()));
   header.compression() = compression;
+  header.zipCompressionLevel() = kZipLevel;
   for (const auto& [name, value] : image.metadata) {
     if (const auto* text = std::get_if<std::string>(&value))
       header.insert(name, Imf::StringAttribute(*text));
