@@ -54,14 +54,14 @@ Range parse_range(std::string_view part) {
 }
 
 // Where a frame number stands in a file name, and its least digits.
-struct Place {
+struct NumberPlace {
   std::size_t begin = 0, size = 0;
   int digits = 1;
 };
 
-std::optional<Place> place_in(std::string_view name) {
-  std::optional<Place> found;
-  const auto take = [&](Place p) {
+std::optional<NumberPlace> place_in(std::string_view name) {
+  std::optional<NumberPlace> found;
+  const auto take = [&](NumberPlace p) {
     if (found) return false;  // two places: no pattern
     found = p;
     return true;
@@ -120,19 +120,19 @@ bool is_pattern(const std::filesystem::path& file) { return place_in(file.filena
 
 std::filesystem::path beside(const std::filesystem::path& pattern, std::string_view text) {
   std::string name = pattern.filename().native();
-  const Place place = place_in(name).value();
+  const NumberPlace place = place_in(name).value();
   name.replace(place.begin, place.size, text);
   return std::filesystem::path(pattern).replace_filename(name);
 }
 
 std::filesystem::path file_of(const std::filesystem::path& pattern, int frame) {
-  const Place place = place_in(pattern.filename().native()).value();
+  const NumberPlace place = place_in(pattern.filename().native()).value();
   return beside(pattern, fmt::format("{}{:0{}d}", frame < 0 ? "-" : "", std::abs(frame), place.digits));
 }
 
 std::vector<int> frames_there(const std::filesystem::path& pattern) {
   const std::string name = pattern.filename().native();
-  const Place place = place_in(name).value();
+  const NumberPlace place = place_in(name).value();
   const std::string_view front = std::string_view(name).substr(0, place.begin);
   const std::string_view back = std::string_view(name).substr(place.begin + place.size);
   const std::filesystem::path folder = pattern.has_parent_path() ? pattern.parent_path() : ".";
