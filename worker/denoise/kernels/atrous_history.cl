@@ -16,12 +16,13 @@ kernel void atrous_accumulate(global const float* restrict input, int w, int h, 
     const size_t p = origin + (size_t)y * stride + x;
     const vi valid = load(guides + p) < (vf)INFINITY;
     const Trace trace = expected_trace(in, area, n);
-    Seen seen = SEEN_FROM(in, area, n, x, y);
+    Seen seen;
+    FIND_SEEN(&seen, in, area, n, x, y);
     seen.wanted &= valid;
     vf light[3], total[4], sum = 0.0f;
     for (int c = 0; c < 3; ++c) light[c] = load(signal + c * plane + p);
     for (int c = 0; c < 4; ++c) total[c] = 0.0f;
-    FOR_EACH_PAST_TAP(seen, sum, total, 4, 13, {
+    FOR_EACH_PAST_TAP(&seen, sum, total, 4, 13, {
       taken = same_surface(trace, past + 4 * past_area, past_area, tap);
       if (!any_lane(taken)) continue;
       for (int c = 0; c < 3; ++c) {

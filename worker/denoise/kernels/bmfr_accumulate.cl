@@ -72,7 +72,7 @@ INLINE vi same_surface(const Surface* s, global const float* past, size_t area, 
 }
 
 // Sums over the taps of the same surface, by their bilinear weights: light, frames, filtered light. Their sum of weights.
-INLINE vf sums_before(Seen place, const Surface* s, global const float* past, int past_x0, int past_y0, int past_x1,
+INLINE vf sums_before(Seen* place, const Surface* s, global const float* past, int past_x0, int past_y0, int past_x1,
                int past_y1, vf* total) {
   vf sum = 0.0f;
 #pragma unroll
@@ -139,9 +139,10 @@ kernel void bmfr_accumulate(global const float* restrict input, int w, int h, PA
     surface.depth = load_first(at + IN_PREVIOUS * area, n, 0.0f);
     surface.object = load_first(at + IN_OBJECTID * area, n, 0.0f);
 #endif
-    Seen place = SEEN_FROM(at, area, n, x, y);
+    Seen place;
+    FIND_SEEN(&place, at, area, n, x, y);
     place.wanted &= s.valid;
-    const vf sum = sums_before(place, &surface, past, past_x0, past_y0, past_x1, past_y1, total);
+    const vf sum = sums_before(&place, &surface, past, past_x0, past_y0, past_x1, past_y1, total);
     accumulate(&s, sum, total, alpha, kept);
 #pragma unroll
     for (int c = 0; c < ACCUMULATED; ++c) store_first(kept[c], accumulated + c * area + (size_t)y * w + x, x1 - x);

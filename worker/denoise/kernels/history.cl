@@ -9,7 +9,24 @@
 // vectors, and only where there are many runs, or the planes' ends are near, lane by lane. Which of both ways is gone
 // changes no bit, nor does what the other lanes do.
 // HISTORY is defined where the filter has a history by which it tells surfaces with a Trace. Without motion there is
-// nothing here.
+// nothing here but two words for vectors.
+#if VW == 1
+#define any_lane(v) ((v) != 0)
+#else
+#define any_lane(v) any(v)
+#endif
+
+// Of a vector of pixels from x on those in [x0, x1), at p.
+INLINE void store_between(vf v, global float* p, int x, int x0, int x1) {
+  if (x >= x0) {
+    if (x < x1) store_first(v, p, x1 - x);
+    return;
+  }
+  float lanes[VW];
+  store(v, lanes);
+  for (int k = x0 - x; k < VW && k < x1 - x; ++k) p[k] = lanes[k];
+}
+
 #ifdef IN_MOTION
 #ifdef IN_DEPTHGRADIENT
 #define HISTORY
@@ -21,11 +38,9 @@
 #define PAST_AREA ((size_t)PAST_WIDTH * (past_y1 - past_y0))
 
 #if VW == 1
-#define any_lane(v) ((v) != 0)
 #define first_lane(v) (v)
 #define to_float(v) convert_float(v)
 #else
-#define any_lane(v) any(v)
 #define first_lane(v) ((v).s0)
 #define to_float(v) JOIN(convert_float, VW)(v)
 #endif
@@ -45,12 +60,12 @@ typedef struct {
   int runs, run[MOST_RUNS], lowest, highest;  // the starts of the wanted lanes; no runs: there are too many
 } Seen;
 
+// `seen` is not copied: what has just been stored number by number is not to be read as a vector.
 typedef struct {
   vi inside;
   vi index;  // 0 where it is not inside
-  vi start;
-  int runs, run[MOST_RUNS];  // as of Seen
-  int offset;                // to be added to them
+  const Seen* seen;
+  int runs, offset;  // of seen's runs those that can be read; to be added to their starts
 } Tap;
 
 // The whole part, downwards.
@@ -60,73 +75,72 @@ INLINE vi whole(vf v) {
 }
 
 // Finds the runs. Most often there is one.
-INLINE Seen in_runs(Seen s, int width) {
-  s.start = s.y * width + s.x - load(kLanes);
-  const int first = first_lane(s.start);
-  if (!any_lane(~s.wanted | (s.start != (vi)first))) {
-    s.runs = 1;
-    s.run[0] = s.lowest = s.highest = first;
-    return s;
+INLINE void find_runs(Seen* s, int width) {
+  s->start = s->y * width + s->x - load(kLanes);
+  const int first = first_lane(s->start);
+  if (!any_lane(~s->wanted | (s->start != (vi)first))) {
+    s->runs = 1;
+    s->run[0] = s->lowest = s->highest = first;
+    return;
   }
   int starts[VW], wanted[VW];
-  store(s.start, starts);
-  store(s.wanted, wanted);
-  s.runs = s.lowest = s.highest = 0;
+  store(s->start, starts);
+  store(s->wanted, wanted);
+  s->runs = s->lowest = s->highest = 0;
   for (int k = 0; k < VW; ++k) {
     if (!wanted[k]) continue;
     int r = 0;
-    while (r < s.runs && s.run[r] != starts[k]) ++r;
-    if (r < s.runs) continue;
+    while (r < s->runs && s->run[r] != starts[k]) ++r;
+    if (r < s->runs) continue;
     if (r == MOST_RUNS) {
-      s.runs = 0;
-      return s;
+      s->runs = 0;
+      return;
     }
-    s.lowest = r > 0 ? min(s.lowest, starts[k]) : starts[k];
-    s.highest = r > 0 ? max(s.highest, starts[k]) : starts[k];
-    s.run[s.runs++] = starts[k];
+    s->lowest = r > 0 ? min(s->lowest, starts[k]) : starts[k];
+    s->highest = r > 0 ? max(s->highest, starts[k]) : starts[k];
+    s->run[s->runs++] = starts[k];
   }
-  return s;
 }
 
 // x, y: of lane 0, in the frame's grid.
-INLINE Seen seen_before(int x, int y, vf motion_x, vf motion_y, int past_x0, int past_y0, int past_x1, int past_y1) {
-  Seen s;
+INLINE void seen_before(int x, int y, vf motion_x, vf motion_y, int past_x0, int past_y0, int past_x1, int past_y1,
+                        Seen* s) {
   vf qx = to_float((vi)x + load(kLanes)) - motion_x, qy = (vf)(float)y - motion_y;
-  s.wanted = (qx > (vf)(float)(past_x0 - 3)) & (qx < (vf)(float)(past_x1 + 3)) & (qy > (vf)(float)(past_y0 - 3)) &
+  s->wanted = (qx > (vf)(float)(past_x0 - 3)) & (qx < (vf)(float)(past_x1 + 3)) & (qy > (vf)(float)(past_y0 - 3)) &
              (qy < (vf)(float)(past_y1 + 3));
-  qx = s.wanted ? qx : (vf)(float)past_x0;
-  qy = s.wanted ? qy : (vf)(float)past_y0;
+  qx = s->wanted ? qx : (vf)(float)past_x0;
+  qy = s->wanted ? qy : (vf)(float)past_y0;
   const vi at_x = whole(qx), at_y = whole(qy);
-  s.right = qx - to_float(at_x);
-  s.below = qy - to_float(at_y);
-  s.x = at_x - past_x0;
-  s.y = at_y - past_y0;
-  return in_runs(s, PAST_WIDTH);
+  s->right = qx - to_float(at_x);
+  s->below = qy - to_float(at_y);
+  s->x = at_x - past_x0;
+  s->y = at_y - past_y0;
+  find_runs(s, PAST_WIDTH);
 }
 
 // Of the VW pixels from (x, y) of the outer region on, whose input begins at `in`; n of them are ours.
-#define SEEN_FROM(in, area, n, x, y)                                                                            \
+#define FIND_SEEN(seen, in, area, n, x, y)                                                                     \
   seen_before(outer_x + (x), outer_y + (y), load_first((in) + IN_MOTION * (area), n, INFINITY),                 \
-              load_first((in) + (IN_MOTION + 1) * (area), n, INFINITY), past_x0, past_y0, past_x1, past_y1)
+              load_first((in) + (IN_MOTION + 1) * (area), n, INFINITY), past_x0, past_y0, past_x1, past_y1, seen)
 
 // The tap (i, j) from the one up and left of q.
-INLINE Tap tap_of(Seen s, int i, int j, int width, int height) {
+INLINE Tap tap_of(const Seen* s, int i, int j, int width, int height) {
   Tap t;
-  const vi x = s.x + i, y = s.y + j;
-  t.inside = s.wanted & (x >= (vi)0) & (x < (vi)width) & (y >= (vi)0) & (y < (vi)height);
+  const vi x = s->x + i, y = s->y + j;
+  t.inside = s->wanted & (x >= (vi)0) & (x < (vi)width) & (y >= (vi)0) & (y < (vi)height);
   t.index = t.inside ? y * width + x : (vi)0;
-  t.start = s.start;
+  t.seen = s;
   t.offset = j * width + i;
-  t.runs = s.lowest + t.offset >= 0 && s.highest + t.offset + VW <= width * height ? s.runs : 0;
-  for (int r = 0; r < MOST_RUNS; ++r) t.run[r] = s.run[r];
+  t.runs = s->lowest + t.offset >= 0 && s->highest + t.offset + VW <= width * height ? s->runs : 0;
   return t;
 }
 
 // Where there is no tap, any number.
 INLINE vf at_tap(global const float* plane, Tap t) {
   if (t.runs > 0) {
-    vf v = load(plane + (t.run[0] + t.offset));
-    for (int r = 1; r < t.runs; ++r) v = t.start == (vi)t.run[r] ? load(plane + (t.run[r] + t.offset)) : v;
+    const int* run = t.seen->run;
+    vf v = load(plane + (run[0] + t.offset));
+    for (int r = 1; r < t.runs; ++r) v = t.seen->start == (vi)run[r] ? load(plane + (run[r] + t.offset)) : v;
     return v;
   }
   float values[VW];
@@ -137,36 +151,35 @@ INLINE vf at_tap(global const float* plane, Tap t) {
 }
 
 // Where lanes of q's four taps yielded nothing, those of the nine around the nearest pixel come next.
-INLINE Seen nearest_seen(Seen s, vi lost, int width) {
-  s.wanted &= lost;
-  s.x += s.right >= (vf)0.5f ? (vi)1 : (vi)0;
-  s.y += s.below >= (vf)0.5f ? (vi)1 : (vi)0;
-  return in_runs(s, width);
+INLINE void look_around(Seen* s, vi lost, int width) {
+  s->wanted &= lost;
+  s->x += s->right >= (vf)0.5f ? (vi)1 : (vi)0;
+  s->y += s->below >= (vf)0.5f ? (vi)1 : (vi)0;
+  find_runs(s, width);
 }
 
-INLINE vf bilinear(Seen s, int i, int j) {
-  return (i ? s.right : 1.0f - s.right) * (j ? s.below : 1.0f - s.below);
+INLINE vf bilinear(const Seen* s, int i, int j) {
+  return (i ? s->right : 1.0f - s->right) * (j ? s->below : 1.0f - s->below);
 }
 
 // Runs BODY for each tap, which finds `tap`, sets the COUNT numbers value[], and says in `taken` where they are to count:
 // to begin with, where there is a tap. There the tap's weight is added to SUM, and to each of TOTAL[] the weight times
 // its value: nowhere else, for what is not taken may be no number. A `continue` passes over a tap that nobody takes.
-// LAST: 4, or 13 with the nine.
+// LAST: 4, or 13 with the nine. SEEN, a pointer, ends up as what was looked at last.
 #define FOR_EACH_PAST_TAP(SEEN, SUM, TOTAL, COUNT, LAST, BODY)                                                    \
-  if (any_lane((SEEN).wanted)) {                                                                                  \
-    Seen seen_now = (SEEN);                                                                                       \
+  if (any_lane((SEEN)->wanted)) {                                                                                 \
     _Pragma("nounroll") for (int tap_number = 0; tap_number < (LAST); ++tap_number) {                             \
       if (tap_number == 4) {                                                                                      \
         const vi lost = (SUM) < (vf)0.01f;                                                                        \
         (SUM) = lost ? (vf)0.0f : (SUM);                                                                          \
         _Pragma("unroll") for (int c = 0; c < (COUNT); ++c) (TOTAL)[c] = lost ? (vf)0.0f : (TOTAL)[c];            \
-        seen_now = nearest_seen(seen_now, lost, PAST_WIDTH);                                                      \
-        if (!any_lane(seen_now.wanted)) break;                                                                    \
+        look_around(SEEN, lost, PAST_WIDTH);                                                                      \
+        if (!any_lane((SEEN)->wanted)) break;                                                                     \
       }                                                                                                           \
       const int tap_i = tap_number < 4 ? tap_number % 2 : (tap_number - 4) % 3 - 1;                               \
       const int tap_j = tap_number < 4 ? tap_number / 2 : (tap_number - 4) / 3 - 1;                               \
-      const Tap tap = tap_of(seen_now, tap_i, tap_j, PAST_WIDTH, past_y1 - past_y0);                              \
-      const vf weight = tap_number < 4 ? bilinear(seen_now, tap_i, tap_j) : (vf)1.0f;                             \
+      const Tap tap = tap_of(SEEN, tap_i, tap_j, PAST_WIDTH, past_y1 - past_y0);                                  \
+      const vf weight = tap_number < 4 ? bilinear(SEEN, tap_i, tap_j) : (vf)1.0f;                                 \
       vf value[COUNT];                                                                                            \
       vi taken = tap.inside;                                                                                      \
       BODY                                                                                                        \
@@ -194,17 +207,6 @@ INLINE vf weight_of_now(vf length, float alpha, int plain) {
   const vf least = plain ? equal : (vf)0.0f;
   const vf weight = least > (vf)alpha ? least : (vf)alpha;
   return length > (vf)1.0f ? weight : (vf)1.0f;
-}
-
-// Of a vector of pixels from x on those in [x0, x1), at p.
-INLINE void store_between(vf v, global float* p, int x, int x0, int x1) {
-  if (x >= x0) {
-    if (x < x1) store_first(v, p, x1 - x);
-    return;
-  }
-  float lanes[VW];
-  store(v, lanes);
-  for (int k = x0 - x; k < VW && k < x1 - x; ++k) p[k] = lanes[k];
 }
 
 #ifdef HISTORY

@@ -69,14 +69,15 @@ kernel void svgf_accumulate(global const float* restrict input, int w, int h, gl
     const vi valid = now.valid;
     const vf* light = now.light;
     const Trace trace = expected_trace(in, area, n);
-    Seen seen = SEEN_FROM(in, area, n, x, y);
+    Seen seen;
+    FIND_SEEN(&seen, in, area, n, x, y);
     seen.wanted &= valid;
     vf bright[2], total[TOTALS], sum = 0.0f;
 #pragma unroll
     for (int s = 0; s < 2; ++s) bright[s] = luminance(light[3 * s], light[3 * s + 1], light[3 * s + 2]);
 #pragma unroll
     for (int c = 0; c < TOTALS; ++c) total[c] = 0.0f;
-    FOR_EACH_PAST_TAP(seen, sum, total, TOTALS, 13, {
+    FOR_EACH_PAST_TAP(&seen, sum, total, TOTALS, 13, {
       taken = same_surface(trace, past + KEPT_TRACE * past_area, past_area, tap);
       if (!any_lane(taken)) continue;
       taken &= kept_at(past, past_area, tap, light, bright, value);

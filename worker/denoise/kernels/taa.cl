@@ -148,7 +148,7 @@ INLINE void mix_in(const Statistics* s, vi known, float alpha, vf* rgb) {
 
 // The old picture where the pixels were seen, between the four pixels there, as far as they are in the frame and
 // finite. At least a quarter of their weight must be, or nothing is known.
-INLINE vi picture_before(Seen place, global const float* past, int past_x0, int past_y0, int past_x1, int past_y1, vf* rgb) {
+INLINE vi picture_before(Seen* place, global const float* past, int past_x0, int past_y0, int past_x1, int past_y1, vf* rgb) {
   vf sum = 0.0f, total[3] = {0.0f, 0.0f, 0.0f};
   FOR_EACH_PAST_TAP(place, sum, total, 3, 4, {
     _Pragma("unroll") for (int c = 0; c < 3; ++c) {
@@ -168,8 +168,9 @@ INLINE void mixed(const Around* a, global const float* picture, size_t picture_a
   const Statistics s = statistics(picture, picture_area, a);
   vf mx, my;
   longest_motion(motion, area, w, a, &mx, &my);
-  const Seen place = seen_before(outer_x + x, outer_y + y, mx, my, past_x0, past_y0, past_x1, past_y1);
-  const vi known = picture_before(place, past, past_x0, past_y0, past_x1, past_y1, rgb) & s.finite;
+  Seen place;
+  seen_before(outer_x + x, outer_y + y, mx, my, past_x0, past_y0, past_x1, past_y1, &place);
+  const vi known = picture_before(&place, past, past_x0, past_y0, past_x1, past_y1, rgb) & s.finite;
   clip(&s, gamma, rgb);
   mix_in(&s, known, alpha, rgb);
 }
