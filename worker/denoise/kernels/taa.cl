@@ -61,12 +61,14 @@ INLINE void longest_motion(global const float* motion, size_t area, int stride, 
   }
 }
 
-// Y, Co and Cg of a difference of colours, and back.
+// 4 Y, 2 Co and 4 Cg of a difference of colours: whole numbers of its channels, so a power of two is all that they
+// differ by from what is meant. And back, of Y, Co and Cg.
+constant float kPart[3] = {0.25f, 0.5f, 0.25f};
 INLINE void to_luma_chroma(const vf* rgb, vf* out) {
   const vf rb = rgb[0] + rgb[2];
-  out[0] = 0.25f * rb + 0.5f * rgb[1];
-  out[1] = 0.5f * rgb[0] - 0.5f * rgb[2];
-  out[2] = 0.5f * rgb[1] - 0.25f * rb;
+  out[0] = fma((vf)2.0f, rgb[1], rb);
+  out[1] = rgb[0] - rgb[2];
+  out[2] = fma((vf)2.0f, rgb[1], -rb);
 }
 INLINE void to_rgb(const vf* in, vf* rgb) {
   rgb[0] = in[0] + in[1] - in[2];
@@ -107,10 +109,12 @@ INLINE Statistics statistics(global const float* picture, size_t area, const Aro
       }
     }
   const vf scale = 1.0f / count;
+#pragma unroll
+  for (int c = 0; c < 3; ++c) squares[c] *= kPart[c] * kPart[c];
   s.finite = squares[0] + squares[1] + squares[2] <= (vf)LARGEST_SQUARE;
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
-    s.mean[c] *= scale;
+    s.mean[c] *= scale * kPart[c];
     const vf variance = fma(squares[c], scale, -s.mean[c] * s.mean[c]);
     s.deviation[c] = sqrt(variance > (vf)0.0f ? variance : (vf)0.0f);
   }
@@ -125,7 +129,7 @@ INLINE void clip(const Statistics* s, float gamma, vf* rgb) {
   to_luma_chroma(offset, d);
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
-    d[c] -= s->mean[c];
+    d[c] = fma(d[c], (vf)kPart[c], -s->mean[c]);
     const vf relative = fabs(d[c]) / fma(s->deviation[c], (vf)gamma, (vf)1e-30f);
     farthest = relative > farthest ? relative : farthest;
   }
