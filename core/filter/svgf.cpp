@@ -69,10 +69,10 @@ std::vector<Channel> inputs(const ParameterValues& values) {
 }
 
 std::vector<Pass> passes(const ParameterValues& values) {
-  constexpr double kGeometry = 3 + 5 + 1 + 7;  // depth, cosine, bound, seven squarings
-  constexpr double kChord = 7.0 / 2;           // half a depth scale per tap
+  constexpr double kGeometry = 3 + 6 + 6;  // depth, cosine, its power's exponent
+  constexpr double kChord = 7.0 / 2;       // half a depth scale per tap
   constexpr double kLightTap =
-      3 + 5 + 3 + kLevelWeightFlops + 1 + 1 + 6 + 3;  // differences, luminance, weight, sums
+      3 + 5 + 3 + kLevelWeightFlops + 1 + 6 + 3;  // differences, luminance, weight, sums
   constexpr double kFloats = 4 + 8 + 8;
   std::vector<Pass> all;
   if (with_history(values)) {
@@ -93,6 +93,10 @@ std::vector<Pass> passes(const ParameterValues& values) {
                  .flops = 24 * (kGeometry + kChord + 2 * kLightTap) + 2 * (9 * 4 + 20) + 20,
                  .floats = kFloats},
                 static_cast<int>(values.find("levels")->second));
+  // It makes the picture, of emission and albedo too.
+  all.back().kernel = "svgf_last_level";
+  all.back().flops += 3 * 3;
+  all.back().floats += 3 + 3 + 3 - 8;
   append_taa_pass(all, values);
   return all;
 }

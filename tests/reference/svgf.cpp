@@ -206,7 +206,7 @@ Image svgf(const FilterPlan& plan, const Image& input, const Image& history) {
   for (Light* l : lights) svgf.estimate_variance(*l);
   int levels = 0;
   for (const Pass& pass : plan.passes()) {
-    if (pass.kernel != "svgf_level") continue;
+    if (!pass.kernel.ends_with("level")) continue;
     for (Light* l : lights) svgf.level(*l, pass.step);
     if (temporal && ++levels <= plan["feedback"]) keep_light(svgf, both, out);
   }

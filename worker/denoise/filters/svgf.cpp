@@ -27,11 +27,14 @@ cl_float4 scalars(const FilterPlan& plan, const Pass& pass) {
 
 bool has_history(const FilterPlan& plan) { return with_history(plan.parameters); }
 
+// After how many levels light is kept for the next frame.
+int fed_back(const FilterPlan& plan) { return static_cast<int>(std::min(plan["feedback"], plan["levels"])); }
+
 void accumulate(Stage& s, const Planes& guides, const Planes& signal, const Planes& raw) {
   const cl_float2 alpha{
       {static_cast<float>(s.plan()["alpha"]), static_cast<float>(s.plan()["alpha_moments"])}};
   s.run("svgf_accumulate", s.outer(), 1, s.input(), s.outer().width(), s.outer().height(), guides, signal,
-        raw, s.layout(), Past{}, Exactly{s.inner()}, s.output(), alpha,
+        raw, s.layout(), Past{}, cl_int{fed_back(s.plan()) == 0}, Exactly{s.inner()}, s.output(), alpha,
         cl_int{s.plan().is("average", "plain")});
 }
 
@@ -39,31 +42,30 @@ void run(Stage& s) {
   const bool history = has_history(s.plan());
   const Planes guides = s.planes(history ? 5 : 4, std::numeric_limits<float>::infinity());
   Planes from = s.planes(8), to = s.planes(8);
-  const auto keep_light = [&] {
-    s.run("keep_light", s.inner(), 1, from, s.layout(), Exactly{s.inner()}, s.output());
-  };
-  const auto pass_over = [&](std::size_t i, const Planes& source, const Planes& target) {
-    const Pass& pass = s.passes()[i];
-    s.run(std::string(pass.kernel).c_str(), s.region(i), pass.step, guides, source, target, s.layout(),
-          s.region(i), pass.step, scalars(s.plan(), pass));
-  };
   // The variances of single pixels wait in `to` until they are found over the pixels around.
-  if (!history)
+  if (history)
+    accumulate(s, guides, from, to);
+  else
     s.run("prepare", s.outer(), 1, s.input(), s.outer().width(), s.outer().height(), guides, from, to,
           s.layout());
-  const int fed_back = static_cast<int>(std::min(s.plan()["feedback"], s.plan()["levels"]));
-  std::size_t i = 0;
-  if (history) accumulate(s, guides, from, to), ++i;
-  if (history && fed_back == 0) keep_light();
-  pass_over(i++, to, from);
-  for (int level = 1; level <= s.plan()["levels"]; ++i, ++level) {
-    pass_over(i, from, to);
-    std::swap(from, to);
-    if (history && level == fed_back) keep_light();
-  }
+  std::size_t i = history ? 1 : 0;
+  const auto pass_over = [&](const auto& source, const auto& target, const auto&... more) {
+    const Pass& pass = s.passes()[i];
+    s.run(std::string(pass.kernel).c_str(), s.region(i), pass.step, guides, source, target, s.layout(),
+          s.region(i), pass.step, scalars(s.plan(), pass), more...);
+    ++i;
+  };
+  pass_over(to, from);
   const Picture result = picture(s);
-  s.run("finish", result.region, 1, s.input(), s.outer().width(), s.outer().height(), guides, from,
-        s.layout(), Exactly{result.region}, result.buffer);
+  for (int level = 1; level <= s.plan()["levels"]; ++level, std::swap(from, to)) {
+    const cl_int kept = history && level == fed_back(s.plan());
+    const Exactly inner{s.inner()};
+    if (level < s.plan()["levels"])
+      pass_over(from, to, kept, inner, s.output());
+    else
+      pass_over(from, result.buffer, kept, inner, s.output(), s.input(), s.outer().width(),
+                s.outer().height(), Exactly{result.region});
+  }
   taa(s, result);
 }
 

@@ -33,18 +33,37 @@ vf depth_scale(Surface s, int i, int j, float reach) {
   return EXPONENT_UNIT / fma(fabs(fma(s.slope_x, (vf)(float)i, s.slope_y * (float)j)), (vf)reach, s.tolerance);
 }
 
-// Of w_z times a weight of the exponent `other`.
-INLINE vf depth_exponent(Surface s, global const float* guides, size_t q, vf scale, float other) {
-  return fma(-fabs(load(guides + q) - s.z), scale, (vf)other);
+// A weight is `factor` times the number whose exponent is `exponent`.
+typedef struct {
+  vf exponent, factor;
+} Likeness;
+
+// w_n in an exponent, where it is steep: with t = 1 - cos, ln cos = -(t + t^2/2 + t^3/3) - t^4/4 - ... Of the power
+// k = 2^SQUARINGS what is left out takes less than k t^4/4 exp(-kt) from a weight of 1, at most (4/k)^3 e^-4: 6e-7.
+#define STEEP (SQUARINGS >= 7)
+#define STEEPNESS (LOG2_E * EXPONENT_UNIT * (1 << SQUARINGS))
+
+// Of w_z times w_n times a weight of the exponent `other`.
+INLINE Likeness likeness(Surface s, global const float* guides, long plane, size_t q, vf scale, float other) {
+  const vf nx = load(guides + plane + q), ny = load(guides + 2 * plane + q), nz = load(guides + 3 * plane + q);
+  Likeness a = {other, 1.0f};
+#if STEEP
+  const vf t = fma(-s.nx, nx, fma(-s.ny, ny, fma(-s.nz, nz, (vf)1.0f)));
+  const vf series = fma(fma(t, (vf)(-STEEPNESS / 3), (vf)(-STEEPNESS / 2)), t, (vf)-STEEPNESS);
+  a.exponent = fma(series, t, a.exponent);
+#else
+  const vf cosine = fma(s.nx, nx, fma(s.ny, ny, s.nz * nz));
+  a.factor = cosine > (vf)0.0f ? cosine : (vf)0.0f;
+#pragma unroll
+  for (int k = 0; k < SQUARINGS; ++k) a.factor *= a.factor;
+#endif
+  a.exponent = fma(-fabs(load(guides + q) - s.z), scale, a.exponent);
+  return a;
 }
 
-INLINE vf normal_weight(Surface s, global const float* guides, long plane, size_t q) {
-  const vf nx = load(guides + plane + q), ny = load(guides + 2 * plane + q), nz = load(guides + 3 * plane + q);
-  vf w = fma(s.nx, nx, fma(s.ny, ny, s.nz * nz));
-  w = w > (vf)0.0f ? w : (vf)0.0f;
-#pragma unroll
-  for (int k = 0; k < SQUARINGS; ++k) w *= w;
-  return w;
+INLINE vf geometry_weight(Surface s, global const float* guides, long plane, size_t q, vf scale) {
+  const Likeness a = likeness(s, guides, plane, q, scale, OF_ONE);
+  return a.factor * weight_of(a.exponent);
 }
 
 // The arguments that every pass takes. k: sigma_z * step * ln 2, depth tolerance * ln 2, sigma_l * ln 2,
@@ -62,7 +81,7 @@ kernel void svgf_variance_samples(PASS_ARGUMENTS) {
     const Surface s = surface_at(guides, stride, plane, p, k.y);
     vf sum = 1.0f, direct = load(from + 6 * plane + p), indirect = load(from + 7 * plane + p);
     FOR_EACH_CHORD(3, depth_scale(s, i, j, k.x), {
-      const vf w = normal_weight(s, guides, plane, q) * weight_of(depth_exponent(s, guides, q, scale, OF_ONE));
+      const vf w = geometry_weight(s, guides, plane, q, scale);
       sum += w;
       direct = fma(w, load(from + 6 * plane + q), direct);
       indirect = fma(w, load(from + 7 * plane + q), indirect);
@@ -104,7 +123,7 @@ kernel void svgf_variance_spatial(PASS_ARGUMENTS) {
 #endif
     vf sum = 1.0f, direct1 = 0.0f, direct2 = 0.0f, indirect1 = 0.0f, indirect2 = 0.0f;
     FOR_EACH_CHORD(3, depth_scale(s, i, j, k.x), {
-      const vf w = normal_weight(s, guides, plane, q) * weight_of(depth_exponent(s, guides, q, scale, OF_ONE));
+      const vf w = geometry_weight(s, guides, plane, q, scale);
       const vf direct = luminance_step(to, plane, p, q);
       const vf indirect = luminance_step(to + 3 * plane, plane, p, q);
       sum += w;
@@ -130,17 +149,26 @@ typedef struct {
   vf sum, red, green, blue, variance;  // of the weights, the weighted differences, the variance
 } Light;
 
+// Of the planes of a signal, those of direct light (0) or indirect (1).
+typedef struct {
+  global const float *light, *variance;
+} Source;
+INLINE Source source_of(global const float* signal, long plane, int kind) {
+  const Source a = {signal + 3 * kind * plane, signal + (6 + kind) * plane};
+  return a;
+}
+
 // The light at p. scale: see there.
-INLINE Light light_at(global const float* light, global const float* variance, long plane, size_t p, vf scale) {
+INLINE Light light_at(Source from, long plane, size_t p, vf scale) {
   const float centre = 9.0f / 64;
   Light a;
-  a.r = load(light + p);
-  a.g = load(light + plane + p);
-  a.b = load(light + 2 * plane + p);
+  a.r = load(from.light + p);
+  a.g = load(from.light + plane + p);
+  a.b = load(from.light + 2 * plane + p);
   a.scale = scale;
   a.sum = centre;
   a.red = a.green = a.blue = 0.0f;
-  a.variance = centre * centre * load(variance + p);
+  a.variance = centre * centre * load(from.variance + p);
   return a;
 }
 
@@ -165,45 +193,86 @@ INLINE void find_scales(global const float* guides, global const float* variance
   scales[1] = EXPONENT_UNIT / fma(sqrt(indirect * inverse), (vf)k.z, (vf)k.w);
 }
 
-// `normal`: the normals' weight. `exponent`: of the depths' and the kernel's.
-INLINE void gather(Light* a, global const float* light, global const float* variance, long plane, size_t q, vf normal,
-                   vf exponent) {
-  const vf r = load(light + q) - a->r, g = load(light + plane + q) - a->g, b = load(light + 2 * plane + q) - a->b;
-  const vf w = normal * weight_of(fma(fabs(luminance(r, g, b)), -a->scale, exponent));
+// What the pixels at q add, as far as they are like those at p.
+INLINE void gather(Light* a, Source from, long plane, size_t q, Likeness like) {
+  const vf r = load(from.light + q) - a->r, g = load(from.light + plane + q) - a->g,
+           b = load(from.light + 2 * plane + q) - a->b;
+  const vf w = like.factor * weight_of(fma(fabs(luminance(r, g, b)), -a->scale, like.exponent));
   a->sum += w;
   a->red = fma(w, r, a->red);
   a->green = fma(w, g, a->green);
   a->blue = fma(w, b, a->blue);
-  a->variance = fma(w * w, load(variance + q), a->variance);
+  a->variance = fma(w * w, load(from.variance + q), a->variance);
 }
 
 // p plus the mean difference, not the mean: a constant picture comes back bit for bit.
-INLINE void store_light(Light a, vi valid, global float* light, global float* variance, long plane, size_t p) {
-  const vf scale = 1.0f / a.sum;
-  store(valid ? fma(a.red, scale, a.r) : (vf)0.0f, light + p);
-  store(valid ? fma(a.green, scale, a.g) : (vf)0.0f, light + plane + p);
-  store(valid ? fma(a.blue, scale, a.b) : (vf)0.0f, light + 2 * plane + p);
-  store(valid ? a.variance * scale * scale : (vf)0.0f, variance + p);
+INLINE void filtered_light(const Light* a, vi valid, vf* rgb) {
+  const vf scale = 1.0f / a->sum;
+  rgb[0] = valid ? fma(a->red, scale, a->r) : (vf)0.0f;
+  rgb[1] = valid ? fma(a->green, scale, a->g) : (vf)0.0f;
+  rgb[2] = valid ? fma(a->blue, scale, a->b) : (vf)0.0f;
 }
 
-kernel void svgf_level(PASS_ARGUMENTS) {
+INLINE vf filtered_variance(const Light* a, vi valid) {
+  const vf scale = 1.0f / a->sum;
+  return valid ? a->variance * scale * scale : (vf)0.0f;
+}
+
+// Both kinds of light once they have passed a level, direct first.
+typedef struct {
+  vi valid;
+  vf light[6], variance[2];
+} Passed;
+
+INLINE Passed passed_at(global const float* guides, global const float* from, int stride, long plane, size_t p, int step,
+                        float4 k) {
+  const Surface s = surface_at(guides, stride, plane, p, k.y);
+  vf scales[2];
+  find_scales(guides, from + 6 * plane, stride, plane, p, k, scales);
+  const Source first = source_of(from, plane, 0), second = source_of(from, plane, 1);
+  Light direct = light_at(first, plane, p, scales[0]), indirect = light_at(second, plane, p, scales[1]);
+  FOR_EACH_CHORD(2, depth_scale(s, i, j, k.x), {
+    const Likeness like = likeness(s, guides, plane, q, scale, OF_ONE + kLogB3[i + 2] + kLogB3[j + 2]);
+    gather(&direct, first, plane, q, like);
+    gather(&indirect, second, plane, q, like);
+  })
+  Passed a;
+  a.valid = s.z < (vf)INFINITY;
+  filtered_light(&direct, a.valid, a.light);
+  filtered_light(&indirect, a.valid, a.light + 3);
+  a.variance[0] = filtered_variance(&direct, a.valid);
+  a.variance[1] = filtered_variance(&indirect, a.valid);
+  return a;
+}
+
+// kept: whether the light is, too.
+kernel void svgf_level(PASS_ARGUMENTS, KEPT_ARGUMENTS) {
   const int y = y0 + row_of(get_global_id(1), y1 - y0, step);
   if (y >= y1) return;
   FOR_EACH_VECTOR(x, x0, x1) {
     const size_t p = origin + (size_t)y * stride + x;
-    const Surface s = surface_at(guides, stride, plane, p, k.y);
-    vf scales[2];
-    find_scales(guides, from + 6 * plane, stride, plane, p, k, scales);
-    Light direct = light_at(from, from + 6 * plane, plane, p, scales[0]);
-    Light indirect = light_at(from + 3 * plane, from + 7 * plane, plane, p, scales[1]);
-    FOR_EACH_CHORD(2, depth_scale(s, i, j, k.x), {
-      const vf normal = normal_weight(s, guides, plane, q);
-      const vf exponent = depth_exponent(s, guides, q, scale, OF_ONE + kLogB3[i + 2] + kLogB3[j + 2]);
-      gather(&direct, from, from + 6 * plane, plane, q, normal, exponent);
-      gather(&indirect, from + 3 * plane, from + 7 * plane, plane, q, normal, exponent);
-    })
-    const vi valid = s.z < (vf)INFINITY;
-    store_light(direct, valid, to, to + 6 * plane, plane, p);
-    store_light(indirect, valid, to + 3 * plane, to + 7 * plane, plane, p);
+    const Passed a = passed_at(guides, from, stride, plane, p, step, k);
+#pragma unroll
+    for (int c = 0; c < 6; ++c) store(a.light[c], to + c * plane + p);
+#pragma unroll
+    for (int c = 0; c < 2; ++c) store(a.variance[c], to + (6 + c) * plane + p);
+    keep_light(a.light, kept, kept_x0, kept_y0, kept_x1, kept_y1, output, x, y);
+  }
+}
+
+// The last one makes the picture. to: RGB over the pixels [px0, px1) x [py0, py1) of the outer region.
+kernel void svgf_last_level(PASS_ARGUMENTS, KEPT_ARGUMENTS, global const float* restrict input, int w, int h, int px0,
+                            int py0, int px1, int py1) {
+  const int y = y0 + row_of(get_global_id(1), y1 - y0, step);
+  const size_t area = (size_t)(px1 - px0) * (py1 - py0);
+  if (y >= y1) return;
+  FOR_EACH_VECTOR(x, x0, x1) {
+    const Passed a = passed_at(guides, from, stride, plane, origin + (size_t)y * stride + x, step, k);
+    keep_light(a.light, kept, kept_x0, kept_y0, kept_x1, kept_y1, output, x, y);
+    vf rgb[3];
+    modulated(input + (size_t)y * w + x, (size_t)w * h, w - x, a.valid, a.light, rgb);
+    global float* out = to + (size_t)(y - py0) * (px1 - px0) + (x - px0);
+#pragma unroll
+    for (int c = 0; c < 3; ++c) store_between(rgb[c], out + c * area, x, px0, px1);
   }
 }

@@ -52,14 +52,12 @@ INLINE vi kept_at(global const float* past, size_t area, Tap tap, const vf* ligh
 }
 
 // guides, signal, raw: as `prepare` makes them, but accumulated, with MOMENTS the signal's variance too; guides' plane
-// 4 is the history's length. alpha: of light, of the moments. Keeps all but the light, over the pixels
-// [x0, x1) x [y0, y1).
+// 4 is the history's length. alpha: of light, of the moments. Keeps all but the light, and that if `kept` says so.
 kernel void svgf_accumulate(global const float* restrict input, int w, int h, global float* restrict guides,
                             global float* restrict signal, global float* restrict raw, int stride, long plane,
-                            long origin, PAST_ARGUMENTS, int x0, int y0, int x1, int y1,
-                            global float* restrict output, float2 alpha, int plain) {
-  const int y = get_global_id(1);
-  const size_t area = (size_t)w * h, past_area = PAST_AREA, out_area = (size_t)(x1 - x0) * (y1 - y0);
+                            long origin, PAST_ARGUMENTS, KEPT_ARGUMENTS, float2 alpha, int plain) {
+  const int y = get_global_id(1), x0 = kept_x0, x1 = kept_x1;
+  const size_t area = (size_t)w * h, past_area = PAST_AREA, out_area = (size_t)(x1 - x0) * (kept_y1 - kept_y0);
   if (y >= h) return;
   FOR_EACH_VECTOR(x, 0, w) {
     global const float* in = input + (size_t)y * w + x;
@@ -85,50 +83,40 @@ kernel void svgf_accumulate(global const float* restrict input, int w, int h, gl
     const vf length = longer(sum, total[KEPT_LENGTH]), per_sum = sum > (vf)0.0f ? 1.0f / sum : (vf)0.0f;
     const vf old = (1.0f - weight_of_now(length, alpha.x, plain)) * per_sum;
     store_guides(&now, guides, plane, p);
+    vf mixed[6];
 #pragma unroll
-    for (int c = 0; c < 6; ++c) store(fma(old, total[c], light[c]), signal + c * plane + p);
+    for (int c = 0; c < 6; ++c) {
+      mixed[c] = fma(old, total[c], light[c]);
+      store(mixed[c], signal + c * plane + p);
+    }
     store(valid ? length : (vf)0.0f, guides + 4 * plane + p);
-    vf kept[KEPT_STATISTICS];
+    vf statistics[KEPT_STATISTICS];
 #ifdef MOMENTS
     const vf older = (1.0f - weight_of_now(length, alpha.y, plain)) * per_sum;
 #pragma unroll
     for (int s = 0; s < 2; ++s) {
       const vf step = older * total[6 + 2 * s], variance = fma(older, total[7 + 2 * s], -step * step);
-      kept[2 * s] = bright[s] + step;
-      kept[2 * s + 1] = variance > (vf)0.0f ? variance : (vf)0.0f;
-      store(kept[2 * s + 1], signal + (6 + s) * plane + p);
+      statistics[2 * s] = bright[s] + step;
+      statistics[2 * s + 1] = variance > (vf)0.0f ? variance : (vf)0.0f;
+      store(statistics[2 * s + 1], signal + (6 + s) * plane + p);
     }
 #else
     const vf share = weight_of_now(length, alpha.x, plain), squared = (1.0f - share) * (1.0f - share) * per_sum;
 #pragma unroll
     for (int s = 0; s < 2; ++s) {
       const vf variance = fma(squared, total[6 + s], share * share * now.variance[s]);
-      kept[s] = variance < (vf)LARGEST_VARIANCE ? variance : (vf)LARGEST_VARIANCE;
-      store(kept[s], raw + (6 + s) * plane + p);
+      statistics[s] = variance < (vf)LARGEST_VARIANCE ? variance : (vf)LARGEST_VARIANCE;
+      store(statistics[s], raw + (6 + s) * plane + p);
     }
 #endif
-    if (y < y0 || y >= y1) continue;
-    global float* out = output + (size_t)(y - y0) * (x1 - x0) + (x - x0);
+    if (y < kept_y0 || y >= kept_y1) continue;
+    keep_light(mixed, kept, kept_x0, kept_y0, x1, kept_y1, output, x, y);
+    global float* out = output + (size_t)(y - kept_y0) * (x1 - x0) + (x - x0);
 #pragma unroll
     for (int s = 0; s < KEPT_STATISTICS; ++s)
-      store_between(valid ? kept[s] : (vf)0.0f, out + (3 + 6 + s) * out_area, x, x0, x1);
+      store_between(valid ? statistics[s] : (vf)0.0f, out + (3 + 6 + s) * out_area, x, x0, x1);
     store_between(valid ? length : (vf)0.0f, out + (3 + KEPT_LENGTH) * out_area, x, x0, x1);
     keep_trace(in, area, n, valid, out + (3 + KEPT_TRACE) * out_area, out_area, x, x0, x1);
-  }
-}
-
-// Keeps the light over the pixels [x0, x1) x [y0, y1).
-kernel void keep_light(global const float* restrict signal, int stride, long plane, long origin, int x0, int y0, int x1,
-                       int y1, global float* restrict output) {
-  const int row = get_global_id(1), y = y0 + row;
-  const size_t out_area = (size_t)(x1 - x0) * (y1 - y0);
-  if (y >= y1) return;
-  FOR_EACH_VECTOR(x, x0, x1) {
-    const size_t p = origin + (size_t)y * stride + x;
-#pragma unroll
-    for (int c = 0; c < 6; ++c)
-      store_first(load(signal + c * plane + p), output + (3 + c) * out_area + (size_t)row * (x1 - x0) + (x - x0),
-                  x1 - x);
   }
 }
 #endif  // HISTORY

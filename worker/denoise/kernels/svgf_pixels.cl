@@ -59,6 +59,17 @@ INLINE void store_guides(const Pixels* s, global float* guides, long plane, size
   for (int c = 0; c < 3; ++c) store(s->normal[c], guides + (1 + c) * plane + p);
 }
 
+// What a frame leaves for the next one: light, from plane 3 of the output on, over [x0, x1) x [y0, y1).
+#define KEPT_ARGUMENTS int kept, int kept_x0, int kept_y0, int kept_x1, int kept_y1, global float *restrict output
+INLINE void keep_light(const vf* light, KEPT_ARGUMENTS, int x, int y) {
+  if (!kept || y < kept_y0 || y >= kept_y1) return;
+  const int width = kept_x1 - kept_x0;
+  const size_t area = (size_t)width * (kept_y1 - kept_y0);
+  global float* out = output + 3 * area + (size_t)(y - kept_y0) * width + (x - kept_x0);
+#pragma unroll
+  for (int c = 0; c < 6; ++c) store_between(light[c], out + c * area, x, kept_x0, kept_x1);
+}
+
 // Of a single frame. With a history svgf_accumulate takes its place.
 kernel void prepare(global const float* restrict input, int w, int h, global float* restrict guides,
                     global float* restrict signal, global float* restrict raw, int stride, long plane, long origin) {
@@ -76,27 +87,22 @@ kernel void prepare(global const float* restrict input, int w, int h, global flo
   }
 }
 
-// output: RGB over the pixels [x0, x1) x [y0, y1) of the outer region. Invalid pixels keep their colour.
-kernel void finish(global const float* restrict input, int w, int h, global const float* restrict guides,
-                   global const float* restrict signal, int stride, long plane, long origin, int x0, int y0, int x1,
-                   int y1, global float* restrict output) {
-  const int row = get_global_id(1), y = y0 + row;
-  const size_t area = (size_t)w * h, out_area = (size_t)(x1 - x0) * (y1 - y0);
-  if (y >= y1) return;
-  FOR_EACH_VECTOR(x, x0, x1) {
-    global const float* in = input + (size_t)y * w + x;
-    const int n = x1 - x;
-    const size_t p = origin + (size_t)y * stride + x;
-    const vi valid = load(guides + p) < (vf)INFINITY;
-    for (int c = 0; c < 3; ++c) {
-      const vf direct = load_first(in + (IN_DIRECT + c) * area, n, 0.0f), indirect = load_first(in + (IN_INDIRECT + c) * area, n, 0.0f);
-      const vf emission = load_first(in + (IN_EMISSION + c) * area, n, 0.0f);
-      const vf albedo = load_first(in + (IN_ALBEDO + c) * area, n, 0.0f);
-      const vf light = load(signal + c * plane + p) + load(signal + (3 + c) * plane + p);
-      const vf color = direct + indirect + emission;
-      const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
-      store_first(valid ? light * albedo_floored(albedo) + emission : kept,
-                  output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), n);
-    }
+// RGB of the filtered light of VW pixels whose input begins at `in`, of which n are ours. What is not valid keeps its
+// colour.
+INLINE void modulated(global const float* in, size_t area, int n, vi valid, const vf* light, vf* rgb) {
+  vf emission[3];
+#pragma unroll
+  for (int c = 0; c < 3; ++c) {
+    emission[c] = load_first(in + (IN_EMISSION + c) * area, n, 0.0f);
+    const vf albedo = load_first(in + (IN_ALBEDO + c) * area, n, 0.0f);
+    rgb[c] = (light[c] + light[3 + c]) * albedo_floored(albedo) + emission[c];
+  }
+  if (!any_lane(~valid)) return;
+#pragma unroll
+  for (int c = 0; c < 3; ++c) {
+    const vf direct = load_first(in + (IN_DIRECT + c) * area, n, 0.0f);
+    const vf color = direct + load_first(in + (IN_INDIRECT + c) * area, n, 0.0f) + emission[c];
+    const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
+    rgb[c] = valid ? rgb[c] : kept;
   }
 }
