@@ -33,6 +33,17 @@ typedef JOIN(int, VW) vi;
 #define store(v, p) JOIN(vstore, VW)(v, 0, p)
 #endif
 
+// A vector at any address of global memory, in one load: the library's vload is pieces to the compiler, which of
+// overlapping vectors shares the pieces and puts them together at several times the cost.
+#if VW == 1
+#define fetch load
+#define put store
+#else
+typedef vf vf_anywhere __attribute__((aligned(4)));
+#define fetch(p) (*(global const vf_anywhere*)(p))
+#define put(v, p) (*(global vf_anywhere*)(p) = (v))
+#endif
+
 // Channels beyond this count as not finite: nothing computed from smaller ones overflows into NaN.
 #define LARGEST 1e32f
 #define LOG2_E 1.44269504f
@@ -83,7 +94,7 @@ vi ordinary(vf x) { return fabs(x) <= (vf)LARGEST; }
 
 // VW floats of a row of which only the first n are ours to read; the others become `rest`.
 vf load_first(global const float* p, int n, float rest) {
-  if (n >= VW) return load(p);
+  if (n >= VW) return fetch(p);
   float lanes[VW];
   for (int k = 0; k < VW; ++k) lanes[k] = k < n ? p[k] : rest;
   return load(lanes);
@@ -91,7 +102,7 @@ vf load_first(global const float* p, int n, float rest) {
 
 // The same from number i on of a row that has n: those outside are `rest`.
 vf load_in_row(global const float* row, int i, int n, float rest) {
-  if (i >= 0 && i + VW <= n) return load(row + i);
+  if (i >= 0 && i + VW <= n) return fetch(row + i);
   float lanes[VW];
   for (int k = 0; k < VW; ++k) lanes[k] = i + k >= 0 && i + k < n ? row[i + k] : rest;
   return load(lanes);
@@ -99,7 +110,7 @@ vf load_in_row(global const float* row, int i, int n, float rest) {
 
 void store_first(vf v, global float* p, int n) {
   if (n >= VW) {
-    store(v, p);
+    put(v, p);
     return;
   }
   float lanes[VW];

@@ -38,7 +38,7 @@ vf left_by_variance(global const float* variance, size_t area, int channels, int
 kernel void prepare(WINDOW_INPUT, global float* restrict strips, WINDOW_REGION, float4 units, float8 stops,
                     float8 scales) {
   const int rows = y1 - y0 + 2 * RADIUS;
-  const StripRow s = strip_row(get_global_id(1), rows);
+  const StripRow s = picture_row(get_global_id(1), x1 - x0);
   const int y = y0 - RADIUS + s.row;
   const size_t area = (size_t)w * h;
   const int planes[5] = {IN_N, IN_ALBEDO, IN_TEXTURE2, IN_DIRECT, IN_INDIRECT};
@@ -76,48 +76,92 @@ kernel void prepare(WINDOW_INPUT, global float* restrict strips, WINDOW_REGION, 
 #ifdef PROGRESSIVE
     value[NOISE] = max(samples, (vf)1.0f) * units.w;
 #endif
-    for (int c = 0; c < PLANES; ++c) store(valid ? value[c] : (vf)(c == 0 ? INFINITY : 0.0f), to + c * PITCH);
+    for (int c = 0; c < PLANES; ++c) put(valid ? value[c] : (vf)(c == 0 ? INFINITY : 0.0f), to + c * PITCH);
   }
 }
 
-// One kind of light: at the centre, and the weighted differences from it.
+// One kind of light: weights, and weighted differences from the centre.
 typedef struct {
-  vf r, g, b, sum, red, green, blue;
+  vf sum, red, green, blue;
 } Light;
 
-Light light_at(global const float* p) {
-  Light a;
-  a.r = load(p);
-  a.g = load(p + PITCH);
-  a.b = load(p + 2 * PITCH);
-  a.sum = a.red = a.green = a.blue = 0.0f;
-  return a;
-}
+#define TAPS (2 * RADIUS / STEP + 1)
 
-Light gathered(Light a, global const float* q, vf exponent, vf noise) {
-  const vf r = load(q) - a.r, g = load(q + PITCH) - a.g, b = load(q + 2 * PITCH) - a.b;
+// Adds a row of taps, the first at q, of the light that begins at that plane. exponents: of the weights, less what the
+// light's own difference takes off. p: the centre.
+INLINE void gather_light(Light* light, global const float* p, global const float* q, const vf* exponents, vf noise) {
+  const vf r = fetch(p), g = fetch(p + PITCH), b = fetch(p + 2 * PITCH);
+  Light sums = *light;
+#pragma nounroll
+  for (int k = 0; k < TAPS; ++k, q += STEP) {
+    const vf dr = fetch(q) - r, dg = fetch(q + PITCH) - g, db = fetch(q + 2 * PITCH) - b;
+    vf exponent = exponents[k];
 #ifdef PROGRESSIVE
-  exponent = fma(-noise, fma(r, r, fma(g, g, b * b)), exponent);
+    exponent = fma(-noise, fma(dr, dr, fma(dg, dg, db * db)), exponent);
 #else
-  exponent = fma(-r, r, exponent);
-  exponent = fma(-g, g, exponent);
-  exponent = fma(-b, b, exponent);
+    exponent = fma(-dr, dr, exponent);
+    exponent = fma(-dg, dg, exponent);
+    exponent = fma(-db, db, exponent);
 #endif
-  const vf weight = weight_of(exponent);
-  a.sum += weight;
-  a.red = fma(weight, r, a.red);
-  a.green = fma(weight, g, a.green);
-  a.blue = fma(weight, b, a.blue);
-  return a;
+    const vf weight = weight_of(exponent);
+    sums.sum += weight;
+    sums.red = fma(weight, dr, sums.red);
+    sums.green = fma(weight, dg, sums.green);
+    sums.blue = fma(weight, db, sums.blue);
+  }
+  *light = sums;
 }
 
 // The exponent less the squared difference of one plane; stop, stopped: what the difference is multiplied by, and
 // minus the centre times that.
 #define STOPPED(exponent, c, stop, stopped)                 \
   {                                                         \
-    const vf d = fma(stop, load(q + (c) * PITCH), stopped); \
+    const vf d = fma(stop, fetch(q + (c) * PITCH), stopped); \
     exponent = fma(-d, d, exponent);                        \
   }
+
+// What the features of a row of taps, the first at q, leave of the exponents of direct and of indirect light. Features
+// and lights have a loop each, for together they take more registers than there are.
+INLINE void stop_by_features(global const float* p, global const float* q, vf* of_direct, vf* of_indirect) {
+  vf stop[4], stopped[10];
+#pragma unroll
+  for (int f = 0; f < 4; ++f) stop[f] = fetch(p + (STOPS + f) * PITCH);
+  stopped[0] = -fetch(p) * stop[0];
+#pragma unroll
+  for (int c = 1; c < 10; ++c) stopped[c] = -fetch(p + c * PITCH) * stop[(c + 2) / 3];
+#pragma nounroll
+  for (int k = 0; k < TAPS; ++k, q += STEP) {
+    vf exponent = OF_ONE;
+    STOPPED(exponent, 0, stop[0], stopped[0])
+    STOPPED(exponent, 1, stop[1], stopped[1])
+    STOPPED(exponent, 2, stop[1], stopped[2])
+    STOPPED(exponent, 3, stop[1], stopped[3])
+    STOPPED(exponent, 4, stop[2], stopped[4])
+    STOPPED(exponent, 5, stop[2], stopped[5])
+    STOPPED(exponent, 6, stop[2], stopped[6])
+    of_direct[k] = exponent;
+    STOPPED(exponent, 7, stop[3], stopped[7])
+    STOPPED(exponent, 8, stop[3], stopped[8])
+    STOPPED(exponent, 9, stop[3], stopped[9])
+    of_indirect[k] = exponent;
+  }
+}
+
+// What a vector of pixels has gathered.
+typedef struct {
+  Light direct, indirect;
+} Lights;
+
+// Adds the row of the window about p of which the first tap is at q.
+INLINE void gather_row(Lights* lights, global const float* p, global const float* q) {
+  vf noise = 1.0f, of_direct[TAPS], of_indirect[TAPS];
+#ifdef PROGRESSIVE
+  noise = fetch(p + NOISE * PITCH);
+#endif
+  stop_by_features(p, q, of_direct, of_indirect);
+  gather_light(&lights->direct, p + DIRECT * PITCH, q + DIRECT * PITCH, of_direct, noise);
+  gather_light(&lights->indirect, p + INDIRECT * PITCH, q + INDIRECT * PITCH, of_indirect, noise);
+}
 
 // output: RGB over [x0, x1) x [y0, y1). Invalid pixels keep their light. unscale: 1 over the scales of direct and
 // indirect light.
@@ -129,42 +173,27 @@ kernel void ddf(WINDOW_INPUT, global const float* restrict strips, WINDOW_REGION
   const size_t area = (size_t)w * h, out_area = (size_t)(x1 - x0) * rows;
   global float* out = output + (size_t)s.row * (x1 - x0) + first;
   s.row += RADIUS;
+  const int begin = get_global_id(0) * VW;
   global const float* centres = strips + strip_offset(s, rows + 2 * RADIUS) + PAD;
-  FOR_EACH_VECTOR(column, 0, columns) {
-    global const float* p = centres + column;
-    vf stop[4], stopped[10];
-    for (int f = 0; f < 4; ++f) stop[f] = load(p + (STOPS + f) * PITCH);
-    stopped[0] = -load(p) * stop[0];
-    for (int c = 1; c < 10; ++c) stopped[c] = -load(p + c * PITCH) * stop[(c + 2) / 3];
-    vf noise = 1.0f;
-#ifdef PROGRESSIVE
-    noise = load(p + NOISE * PITCH);
-#endif
-    Light direct = light_at(p + DIRECT * PITCH), indirect = light_at(p + INDIRECT * PITCH);
+  Lights all[SIDE];
+  const Light none = {0.0f, 0.0f, 0.0f, 0.0f};
+  for (int v = 0; v < SIDE; ++v) all[v].direct = all[v].indirect = none;
 #pragma nounroll
-    for (int j = -RADIUS; j <= RADIUS; j += STEP) {
-      global const float* row = p + j * (PLANES * PITCH);
-#pragma unroll 2
-      for (int i = -RADIUS; i <= RADIUS; i += STEP) {
-        global const float* q = row + i;
-        vf exponent = OF_ONE;
-        STOPPED(exponent, 0, stop[0], stopped[0])
-        STOPPED(exponent, 1, stop[1], stopped[1])
-        STOPPED(exponent, 2, stop[1], stopped[2])
-        STOPPED(exponent, 3, stop[1], stopped[3])
-        STOPPED(exponent, 4, stop[2], stopped[4])
-        STOPPED(exponent, 5, stop[2], stopped[5])
-        STOPPED(exponent, 6, stop[2], stopped[6])
-        direct = gathered(direct, q + DIRECT * PITCH, exponent, noise);
-        STOPPED(exponent, 7, stop[3], stopped[7])
-        STOPPED(exponent, 8, stop[3], stopped[8])
-        STOPPED(exponent, 9, stop[3], stopped[9])
-        indirect = gathered(indirect, q + INDIRECT * PITCH, exponent, noise);
-      }
+  for (int j = -RADIUS; j <= RADIUS; j += STEP)
+#pragma nounroll
+    for (int v = 0; v < SIDE && begin + v * VW < columns; ++v) {
+      global const float* p = centres + begin + v * VW;
+      gather_row(&all[v], p, p + j * (PLANES * PITCH) - RADIUS);
     }
+#pragma nounroll
+  for (int v = 0; v < SIDE && begin + v * VW < columns; ++v) {
+    const int column = begin + v * VW;
+    global const float* p = centres + column;
+    const Light direct = all[v].direct;
+    Light indirect = all[v].indirect;
 #ifdef IN_BOUNCE_VARIANCE
     // The centre's weight is 1.
-    const vf kept = load(p + NEIGHBOURS * PITCH);
+    const vf kept = fetch(p + NEIGHBOURS * PITCH);
     indirect.sum = fma(kept, indirect.sum - 1.0f, (vf)1.0f);
     indirect.red *= kept;
     indirect.green *= kept;
@@ -173,7 +202,7 @@ kernel void ddf(WINDOW_INPUT, global const float* restrict strips, WINDOW_REGION
     // The pixel plus the mean difference, not the mean: a constant picture comes back bit for bit.
     const vf per_direct = unscale.x / direct.sum, per_indirect = unscale.y / indirect.sum;
     const vf d[3] = {direct.red, direct.green, direct.blue}, e[3] = {indirect.red, indirect.green, indirect.blue};
-    const vi valid = load(p) < (vf)INFINITY;
+    const vi valid = fetch(p) < (vf)INFINITY;
     global const float* in = input + (size_t)y * w + x0 + first + column;
     const int n = columns - column;
     for (int c = 0; c < 3; ++c) {

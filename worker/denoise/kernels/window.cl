@@ -33,7 +33,8 @@ vf weight_of(vf e) {
 #define WINDOW_INPUT global const float *restrict input, int w, int h
 #define WINDOW_REGION int x0, int y0, int x1, int y1
 
-// Where a work-item's row lies: kernels run over strips * rows rows.
+// Where a work-item's row lies: kernels run over strips * rows rows, strip by strip where windows are walked, and in
+// the picture's order where it is only read.
 typedef struct {
   int strip, row;
 } StripRow;
@@ -43,12 +44,22 @@ StripRow strip_row(int index, int rows) {
   return s;
 }
 
+StripRow picture_row(int index, int columns) {
+  const int strips = (columns + STRIP - 1) / STRIP;
+  StripRow s = {index % strips, index / strips};
+  return s;
+}
+
+// Vectors that a work-item filters side by side, one row of their windows after the other, so that all of them take
+// their taps of a row while it is in the nearest cache. Elsewhere than on CPUs a work-item has one pixel.
+#define SIDE (VW == 1 ? 1 : STRIP / VW)
+
 // First float of plane 0 of row `row` (0: the first that is read) of a strip of `rows` rows.
 size_t strip_offset(StripRow s, int rows) { return ((size_t)s.strip * rows + s.row) * (PLANES * PITCH); }
 
 // VW floats of a row of w, of which those outside it are `rest`.
 vf load_within(global const float* row, int x, int w, float rest) {
-  if (x >= 0 && x + VW <= w) return load(row + x);
+  if (x >= 0 && x + VW <= w) return fetch(row + x);
   float lanes[VW];
   for (int k = 0; k < VW; ++k) lanes[k] = x + k >= 0 && x + k < w ? row[x + k] : rest;
   return load(lanes);
@@ -56,5 +67,5 @@ vf load_within(global const float* row, int x, int w, float rest) {
 
 // All pixels of a vector as none's neighbours: plane 0 lies `far`.
 void store_outside(global float* to, float far) {
-  for (int c = 0; c < PLANES; ++c) store((vf)(c == 0 ? far : 0.0f), to + c * PITCH);
+  for (int c = 0; c < PLANES; ++c) put((vf)(c == 0 ? far : 0.0f), to + c * PITCH);
 }
