@@ -58,7 +58,7 @@ FilterDescription describe_statmc() {
           .parameters = parameters(),
           .inputs = inputs,
           .passes = passes,
-          .scratch = [](const ParameterValues&) { return 6.0 + 6 + 3; }};
+          .scratch = [](const ParameterValues&) { return window_scratch(6 + 6 + 3); }};
 }
 
 }  // namespace tessera

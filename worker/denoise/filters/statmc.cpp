@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "kernels.h"
@@ -16,6 +15,8 @@ namespace {
 // Two pixels of n samples and equal variances have 2 n - 2 degrees of freedom in Welch's test. Quantiles of
 // up to this many samples are in a table, of more come from an expansion.
 constexpr int kTable = 32;
+
+constexpr int kPlanes = 15;  // of the strips: see kernels/statmc.cl
 
 // Of Student's t with an even number of degrees: how much lies within [-t, t] (Abramowitz and Stegun 1964,
 // 26.7.4).
@@ -53,9 +54,9 @@ std::string options(const FilterPlan& plan) {
   const double z = two_sided(level, [](double v) { return std::erf(v / std::numbers::sqrt2); });
   const double z2 = z * z;
   return fmt::format(
-      "-DRADIUS={} -DTABLE={} -DT_SQUARED={} -DT0={:.9e}f -DT1={:.9e}f -DT2={:.9e}f -DT3={:.9e}f"
+      "{} -DTABLE={} -DT_SQUARED={} -DT0={:.9e}f -DT1={:.9e}f -DT2={:.9e}f -DT3={:.9e}f"
       " -DT4={:.9e}f",
-      plan["radius"], kTable, list, z, z * (z2 + 1) / 4, z * ((5 * z2 + 16) * z2 + 3) / 96,
+      window_options(plan, kPlanes), kTable, list, z, z * (z2 + 1) / 4, z * ((5 * z2 + 16) * z2 + 3) / 96,
       z * (((3 * z2 + 19) * z2 + 17) * z2 - 15) / 384,
       z * ((((79 * z2 + 776) * z2 + 1482) * z2 - 1920) * z2 - 945) / 92160);
 }
@@ -65,17 +66,15 @@ void run(Stage& s) {
   const auto scale = [&](std::string_view sigma) {
     return static_cast<float>(std::sqrt(of_exponent(s.plan()[sigma])));
   };
-  const Planes guides = s.planes(6, std::numeric_limits<float>::infinity());
-  const Planes tests = s.planes(6), colors = s.planes(3);
-  s.run("prepare", s.outer(), 1, s.input(), s.outer().width(), s.outer().height(), guides, tests, colors,
-        s.layout(), scale("sigma_a"), scale("sigma_n"));
-  s.run("statmc_gather", s.inner(), 1, s.input(), s.outer().width(), s.outer().height(), guides, tests,
-        colors, s.layout(), Exactly{s.inner()}, static_cast<float>(of_exponent(s.plan()["sigma_s"])),
-        s.output());
+  const Window w = window(s, kPlanes);
+  s.run("prepare", w.to_prepare, 1, s.input(), s.outer().width(), s.outer().height(), w.strips,
+        Exactly{s.inner()}, scale("sigma_a"), scale("sigma_n"));
+  s.run("statmc_gather", w.to_filter, 1, s.input(), s.outer().width(), s.outer().height(), w.strips,
+        Exactly{s.inner()}, static_cast<float>(of_exponent(s.plan()["sigma_s"])), s.output());
 }
 
 }  // namespace
 
-Program statmc_program() { return {"statmc", {kernels::statmc_cl}, options, run}; }
+Program statmc_program() { return {"statmc", {kernels::window_cl, kernels::statmc_cl}, options, run}; }
 
 }  // namespace tessera

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The statistical denoiser of Sakai et al. 2024: a joint bilateral filter by albedo and normal that takes only pixels
 // whose means no test tells apart.
-//   guides: 0..2 albedo (0 is +infinity at invalid pixels)   3..5 unit normal, both such that
-//   squared differences are what their Gaussians take off a weight's exponent
-//   tests: 0..2 means of the transformed samples, corrected for skewness   3..5 squared half-widths of their intervals
-//   colors: RGB
-// RADIUS: of the disc. TABLE, T_SQUARED: squared quantiles of Student's t by samples, 0 to TABLE. T0..T4: for more.
+//   strips: 0..2 albedo (0 is +infinity at invalid pixels)   3..5 unit normal, both such that squared differences are
+//   what their Gaussians take off a weight's exponent   6..8 means of the transformed samples, corrected for skewness
+//   9..11 squared half-widths of their intervals   12..14 colour
+// TABLE, T_SQUARED: squared quantiles of Student's t by samples, 0 to TABLE. T0..T4: for more.
+
+#define MIDDLE 6
+#define WIDTH 9
+#define COLOR 12
 
 #define BOUNDLESS 1e38f  // of an interval: one sample says nothing about its spread
 
@@ -40,42 +43,45 @@ Interval interval(vf mean, vf variance_of_mean, vf third_moment, vf samples, vf 
   return i;
 }
 
-kernel void prepare(global const float* restrict input, int w, int h, global float* restrict guides,
-                    global float* restrict tests, global float* restrict colors, int stride, long plane, long origin,
-                    float albedo_scale, float normal_scale) {
-  const int y = get_global_id(1);
+kernel void prepare(WINDOW_INPUT, global float* restrict strips, WINDOW_REGION, float albedo_scale,
+                    float normal_scale) {
+  const int rows = y1 - y0 + 2 * RADIUS;
+  const StripRow s = picture_row(get_global_id(1), x1 - x0);
+  const int y = y0 - RADIUS + s.row;
   const size_t area = (size_t)w * h;
-  if (y >= h) return;
-  FOR_EACH_VECTOR(x, 0, w) {
-    global const float* in = input + (size_t)y * w + x;
-    const int n = w - x;
-    const size_t p = origin + (size_t)y * stride + x;
-    const vf depth = load_first(in + IN_DEPTH * area, n, INFINITY);
-    const vf samples = load_first(in + IN_SAMPLES * area, n, 0.0f);
+  FOR_EACH_VECTOR(column, 0, PITCH) {
+    const int x = x0 + s.strip * STRIP - PAD + column;
+    global float* to = strips + strip_offset(s, rows) + column;
+    if (y < 0 || y >= h || x <= -VW || x >= w) {
+      store_outside(to, INFINITY);
+      continue;
+    }
+    global const float* in = input + (size_t)y * w;
+    const vf depth = load_within(in + IN_DEPTH * area, x, w, INFINITY);
+    const vf samples = load_within(in + IN_SAMPLES * area, x, w, 0.0f);
     vi valid = ordinary(depth) & (depth < (vf)SKY) & ordinary(samples) & (samples >= (vf)0.0f);
     const vf t = t_squared_of(valid ? samples : (vf)0.0f);
-    vf color[3], albedo[3], normal[3], norm = 0.0f;
-    Interval mean[3];
+    vf value[PLANES], norm = 0.0f;
     for (int c = 0; c < 3; ++c) {
-      color[c] = load_first(in + (IN_COLOR + c) * area, n, 0.0f);
-      albedo[c] = load_first(in + (IN_ALBEDO + c) * area, n, 0.0f);
-      normal[c] = load_first(in + (IN_N + c) * area, n, 0.0f);
-      const vf transformed = load_first(in + (IN_BOXCOX + c) * area, n, 0.0f);
-      const vf variance = load_first(in + (IN_BOXCOX_VARIANCE + c) * area, n, 0.0f);
-      const vf third = load_first(in + (IN_BOXCOX_THIRD + c) * area, n, 0.0f);
-      valid &= ordinary(color[c]) & ordinary(albedo[c]) & ordinary(normal[c]) & ordinary(transformed) &
-               ordinary(variance) & (variance >= (vf)0.0f) & ordinary(third);
-      mean[c] = interval(transformed, variance, third, samples, t);
-      norm = fma(normal[c], normal[c], norm);
+      const vf color = load_within(in + (IN_COLOR + c) * area, x, w, 0.0f);
+      const vf albedo = load_within(in + (IN_ALBEDO + c) * area, x, w, 0.0f);
+      const vf normal = load_within(in + (IN_N + c) * area, x, w, 0.0f);
+      const vf transformed = load_within(in + (IN_BOXCOX + c) * area, x, w, 0.0f);
+      const vf variance = load_within(in + (IN_BOXCOX_VARIANCE + c) * area, x, w, 0.0f);
+      const vf third = load_within(in + (IN_BOXCOX_THIRD + c) * area, x, w, 0.0f);
+      valid &= ordinary(color) & ordinary(albedo) & ordinary(normal) & ordinary(transformed) & ordinary(variance) &
+               (variance >= (vf)0.0f) & ordinary(third);
+      const Interval mean = interval(transformed, variance, third, samples, t);
+      value[c] = albedo * albedo_scale;
+      value[3 + c] = normal;
+      value[MIDDLE + c] = mean.middle;
+      value[WIDTH + c] = mean.squared_half_width;
+      value[COLOR + c] = color;
+      norm = fma(normal, normal, norm);
     }
     const vf scale = norm > (vf)1e-12f ? normal_scale / sqrt(norm) : (vf)0.0f;
-    for (int c = 0; c < 3; ++c) {
-      store(valid ? albedo[c] * albedo_scale : (vf)(c == 0 ? INFINITY : 0.0f), guides + c * plane + p);
-      store(valid ? normal[c] * scale : (vf)0.0f, guides + (3 + c) * plane + p);
-      store(valid ? mean[c].middle : (vf)0.0f, tests + c * plane + p);
-      store(valid ? mean[c].squared_half_width : (vf)0.0f, tests + (3 + c) * plane + p);
-      store(valid ? color[c] : (vf)0.0f, colors + c * plane + p);
-    }
+    for (int c = 0; c < 3; ++c) value[3 + c] *= scale;
+    for (int c = 0; c < PLANES; ++c) put(valid ? value[c] : (vf)(c == 0 ? INFINITY : 0.0f), to + c * PITCH);
   }
 }
 
@@ -86,60 +92,80 @@ int half_width(int j) {
   return i;
 }
 
-// k: what a distance of one pixel takes off a weight's exponent. output: RGB over the pixels [x0, x1) x [y0, y1) of the outer region.
-kernel void statmc_gather(global const float* restrict input, int w, int h, global const float* restrict guides,
-                          global const float* restrict tests, global const float* restrict colors, int stride,
-                          long plane, long origin, int x0, int y0, int x1, int y1, float k,
+// Of a vector of pixels: weights, and weighted differences of colour from the centre.
+typedef struct {
+  vf sum, red, green, blue;
+} Gathered;
+
+// Adds a row of the disc about p, 2 reach + 1 taps about q. far: the exponent of a weight as far away as that row.
+INLINE void gather_row(Gathered* sums, global const float* p, global const float* q, int reach, float far, float k) {
+  vf guide[6], middle[3], width[3], color[3];
+  for (int c = 0; c < 6; ++c) guide[c] = fetch(p + c * PITCH);
+  for (int c = 0; c < 3; ++c) {
+    middle[c] = fetch(p + (MIDDLE + c) * PITCH);
+    width[c] = fetch(p + (WIDTH + c) * PITCH);
+    color[c] = fetch(p + (COLOR + c) * PITCH);
+  }
+  Gathered all = *sums;
+  q -= reach;
+#pragma nounroll
+  for (int i = -reach; i <= reach; ++i, ++q) {
+    // (m_p - m_q)^2 <= t_p^2 V_p + t_q^2 V_q, channel by channel.
+    vi same = (vi)-1;
+#pragma unroll
+    for (int c = 0; c < 3; ++c) {
+      const vf d = fetch(q + (MIDDLE + c) * PITCH) - middle[c];
+      same &= fma(d, d, -fetch(q + (WIDTH + c) * PITCH)) <= width[c];
+    }
+    vf exponent = far - k * (float)(i * i);
+#pragma unroll
+    for (int c = 0; c < 6; ++c) {
+      const vf d = fetch(q + c * PITCH) - guide[c];
+      exponent = fma(-d, d, exponent);
+    }
+    exponent = exponent > (vf)0.0f ? exponent : (vf)0.0f;
+    const vf weight = number_of(same ? exponent : (vf)0.0f);
+    all.sum += weight;
+    all.red = fma(weight, fetch(q + COLOR * PITCH) - color[0], all.red);
+    all.green = fma(weight, fetch(q + (COLOR + 1) * PITCH) - color[1], all.green);
+    all.blue = fma(weight, fetch(q + (COLOR + 2) * PITCH) - color[2], all.blue);
+  }
+  *sums = all;
+}
+
+// k: what a distance of one pixel takes off a weight's exponent. output: RGB over [x0, x1) x [y0, y1).
+kernel void statmc_gather(WINDOW_INPUT, global const float* restrict strips, WINDOW_REGION, float k,
                           global float* restrict output) {
-  const int row = get_global_id(1), y = y0 + row;
-  const size_t area = (size_t)w * h, out_area = (size_t)(x1 - x0) * (y1 - y0);
-  if (y >= y1) return;
-  FOR_EACH_VECTOR(x, x0, x1) {
-    const size_t p = origin + (size_t)y * stride + x;
-    vf guide[6], middle[3], width[3], color[3], total[3], sum = 1.0f;
-    for (int c = 0; c < 6; ++c) guide[c] = load(guides + c * plane + p);
-    for (int c = 0; c < 3; ++c) {
-      middle[c] = load(tests + c * plane + p);
-      width[c] = load(tests + (3 + c) * plane + p);
-      color[c] = load(colors + c * plane + p);
-      total[c] = 0.0f;
+  const int rows = y1 - y0;
+  StripRow s = strip_row(get_global_id(1), rows);
+  const int y = y0 + s.row, first = s.strip * STRIP, columns = min(STRIP, x1 - x0 - first);
+  const size_t area = (size_t)w * h, out_area = (size_t)(x1 - x0) * rows;
+  global float* out = output + (size_t)s.row * (x1 - x0) + first;
+  s.row += RADIUS;
+  const int begin = get_global_id(0) * VW;
+  global const float* centres = strips + strip_offset(s, rows + 2 * RADIUS) + PAD;
+  Gathered all[SIDE];
+  const Gathered none = {0.0f, 0.0f, 0.0f, 0.0f};
+  for (int v = 0; v < SIDE; ++v) all[v] = none;
+#pragma nounroll
+  for (int j = -RADIUS; j <= RADIUS; ++j)
+#pragma nounroll
+    for (int v = 0; v < SIDE && begin + v * VW < columns; ++v) {
+      global const float* p = centres + begin + v * VW;
+      gather_row(&all[v], p, p + j * (PLANES * PITCH), half_width(j), OF_ONE - k * (float)(j * j), k);
     }
 #pragma nounroll
-    for (int j = -RADIUS; j <= RADIUS; ++j) {
-      const int reach = half_width(j);
-#pragma nounroll
-      for (int i = -reach; i <= reach; ++i) {
-        if (i == 0 && j == 0) continue;
-        const size_t q = p + (long)j * stride + i;
-        // (m_p - m_q)^2 <= t_p^2 V_p + t_q^2 V_q, channel by channel.
-        vi same = (vi)-1;
-#pragma unroll
-        for (int c = 0; c < 3; ++c) {
-          const vf d = load(tests + c * plane + q) - middle[c];
-          same &= fma(d, d, -load(tests + (3 + c) * plane + q)) <= width[c];
-        }
-        vf exponent = OF_ONE - k * (float)(i * i + j * j);
-#pragma unroll
-        for (int c = 0; c < 6; ++c) {
-          const vf d = load(guides + c * plane + q) - guide[c];
-          exponent = fma(-d, d, exponent);
-        }
-        exponent = exponent > (vf)0.0f ? exponent : (vf)0.0f;
-        const vf weight = number_of(same ? exponent : (vf)0.0f);
-        sum += weight;
-#pragma unroll
-        for (int c = 0; c < 3; ++c) total[c] = fma(weight, load(colors + c * plane + q) - color[c], total[c]);
-      }
-    }
+  for (int v = 0; v < SIDE && begin + v * VW < columns; ++v) {
+    const int column = begin + v * VW, n = columns - column;
+    global const float* p = centres + column;
     // p plus the mean difference, not the mean: a constant picture comes back bit for bit.
-    const vf scale = 1.0f / sum;
-    const vi valid = guide[0] < (vf)INFINITY;
-    const int n = x1 - x;
+    const vf scale = 1.0f / all[v].sum;
+    const vi valid = fetch(p) < (vf)INFINITY;
+    const vf total[3] = {all[v].red, all[v].green, all[v].blue};
     for (int c = 0; c < 3; ++c) {
-      const vf raw = load_first(input + (IN_COLOR + c) * area + (size_t)y * w + x, n, 0.0f);
+      const vf raw = load_first(input + (IN_COLOR + c) * area + (size_t)y * w + x0 + first + column, n, 0.0f);
       const vf kept = fabs(raw) < (vf)INFINITY ? raw : (vf)0.0f;
-      store_first(valid ? fma(total[c], scale, color[c]) : kept,
-                  output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), n);
+      store_first(valid ? fma(total[c], scale, fetch(p + (COLOR + c) * PITCH)) : kept, out + c * out_area + column, n);
     }
   }
 }
