@@ -3,6 +3,7 @@
 // that reaches a pixel, the last smoothed by non-local means. The colour steers nothing.
 #include "core/filter/descriptions.h"
 #include "core/filter/nlm.h"
+#include "core/filter/pairs.h"
 
 namespace tessera {
 namespace {
@@ -63,14 +64,18 @@ std::vector<Pass> passes(const ParameterValues& v) {
   const NlmShape shape = fdf_prefilter_shape(v);
   const int radius = static_cast<int>(v.find("radius")->second), images = smooths_guides(v) ? 7 : 1;
   const double taps = (2.0 * radius + 1) * (2.0 * radius + 1) - 1;
-  constexpr double kTap =
-      7 + 7 + 7 + 4 + kNumberFlops + 1 + 3 * 3;  // differences, magnitudes, maxima, scales; sums
+  // Differences, magnitudes, maxima, scales, of which each serves two taps; sums.
+  constexpr double kTap = 0.5 * (7 + 7 + 7 + 4 + kNumberFlops) + 1 + 3 * 3;
   return {{"nlm_mean_of_exp", 1, shape.reach(), images * nlm_mean_of_exp_flops(shape), 1.0 + images * 3},
           {"fdf_filter", 1, radius, taps * kTap, 9 + 3 + 3}};
 }
 
+// Tiles may be half as large as they are meant to be, or end in a vector's rest.
 double scratch(const ParameterValues& v) {
-  return 1 + 8 + 3 + 3 + (smooths_guides(v) ? 14 : 2) + nlm_scratch(fdf_prefilter_shape(v));
+  constexpr double kUneven = 1.6;
+  const double tile = pair_floats({static_cast<int>(v.find("radius")->second)}, kPairColumns, kPairRows, 16);
+  return 1 + 8 + 3 + 3 + (smooths_guides(v) ? 14 : 2) + nlm_scratch(fdf_prefilter_shape(v)) +
+         kUneven * tile / (kPairColumns * kPairRows);
 }
 
 }  // namespace

@@ -116,19 +116,19 @@ double nlm_flops(const NlmShape& s) {
 }
 
 double nlm_mean_of_exp_flops(const NlmShape& s) {
-  const double pair = 2 + 2 + 1 + 11 + 2 + kNumberFlops + (s.patch + 1);
-  return s.offsets() * (0.5 * pair + 2.0 * s.patch + 1 + 1 + 3 * s.channels);
+  const double pair = 1 + 1 + 11 + 1 + 2 + kNumberFlops + (s.patch + 1) + 2.0 * s.patch;
+  return s.offsets() * (0.5 * pair + 1 + 1 + 2);
 }
 
 // A table row is longer than the tile's by what offsets and patches reach, and by the rest of a vector.
 double nlm_scratch(const NlmShape& s) {
   constexpr double kVector = 16, kUneven = 1.6;
   const double longer = (kNlmColumns + 2.0 * s.patch + s.radius + kNlmGroup + kVector) / kNlmColumns;
-  const double higher = (kNlmRows + 1.0 * s.radius) / kNlmRows;
+  const double higher = (kNlmRows + 1.0 * s.radius) / kNlmRows, beside = 1.0 * kNlmRowsBeside / kNlmRows;
   const double wider = (kNlmColumns + 2.0 * s.reach() + kNlmGroup + 2 * kVector) / kNlmColumns;
   const double taller = (kNlmRows + 2.0 * s.reach()) / kNlmRows;
-  return kUneven * (s.halves * (s.channels + 1) + (2 * s.halves * s.channels + 1) * wider * taller +
-                    kNlmGroup * (2 * s.halves + 1) * longer * higher);
+  return kUneven * (s.halves * (s.channels + 1) + nlm_planes(s) * wider * taller +
+                    kNlmGroup * longer * ((2 * s.halves + 1) * higher + beside));
 }
 
 FilterDescription describe_nlm() {

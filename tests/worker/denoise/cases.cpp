@@ -108,10 +108,12 @@ const std::vector<FilterCase>& filter_cases() {
       {.text = "sure-atrous:edge=svgf,weights=grid", .extreme = 0},
       {.text = "sure-atrous:distance=depth,variance=spatial,window=1", .extreme = 0, .slow = true},
       {.text = "sure-atrous:mode=literal,edge=svgf,distance=depth", .extreme = 0.1, .slow = true},
-      // Shading counts by absolute differences: of a firefly of 1e6 what is rounded off is some of s_max / n.
-      // fdf_test compares closely where there is none.
-      {.text = "fdf", .relative = 0.1, .extreme = 0},
-      {.text = "fdf:guides=prefiltered,radius=3", .relative = 0.1, .extreme = 0, .slow = true},
+      // Shading counts by absolute differences, and that of fireflies, up to 1e6, has steps of 1/16. The
+      // difference of two that are rounded errs by a step, at 14 samples 0.175 of s_max / n: a weight by a
+      // factor of up to e^0.175 = 1.19, and where it is the only one the result. fdf_test compares closely
+      // where there is none.
+      {.text = "fdf", .relative = 0.2, .extreme = 0},
+      {.text = "fdf:guides=prefiltered,radius=3", .relative = 0.2, .extreme = 0, .slow = true},
       // Light beyond what squares fit into a float is left alone. With one k there is nothing to choose; what
       // is left of fireflies is the rounding of predictions, sums of terms as large as they are before they
       // are spread.

@@ -46,7 +46,8 @@ std::string options(const FilterPlan& plan) {
 
 Program nlm_program() {
   return {"nlm",
-          {kernels::nlm_common_cl, kernels::nlm_cl, kernels::nlm_prefilter_cl, kernels::nlm_filter_cl},
+          {kernels::tiles_cl, kernels::nlm_common_cl, kernels::nlm_cl, kernels::nlm_prefilter_cl,
+           kernels::nlm_filter_cl},
           options,
           run};
 }

@@ -5,6 +5,7 @@
 
 #include "core/filter/nlm.h"
 #include "worker/denoise/stage.h"
+#include "worker/denoise/tiles.h"
 
 namespace tessera {
 
@@ -33,7 +34,8 @@ class Nlm {
   Stage& stage_;
   Region over_;
   NlmShape shape_;
-  int columns_, rows_, groups_, room_;
+  Tiles tiles_;
+  int room_;
   Planes scratch_;
 };
 

@@ -9,16 +9,6 @@
 #include "worker/denoise/window.h"
 
 namespace tessera {
-namespace {
-
-constexpr int kGroups = 16;  // work-groups: some for each core, so that none waits long for the last
-
-int parts(int length, int most) { return (length + most - 1) / most; }
-int rounded_up(int v, int step) { return parts(v, step) * step; }
-// Tiles of nearly one size.
-int even(int length, int most) { return parts(length, parts(length, most)); }
-
-}  // namespace
 
 std::string nlm_options(const NlmShape& s, bool soft) {
   return fmt::format(
@@ -30,20 +20,16 @@ cl_float2 nlm_variance(const NlmTuning& t) {
   return {{static_cast<float>(t.alpha), static_cast<float>(1.5 * t.epsilon * t.alpha / (t.k * t.k))}};
 }
 
-Nlm::Nlm(Stage& s, const Region& over, const NlmShape& shape) : stage_(s), over_(over), shape_(shape) {
-  const int vector = s.vector();
-  // The kernel starts at a multiple of the vector.
-  const int wide = over.width() + (over.x0 - s.outer().x0) % vector;
-  columns_ = rounded_up(even(wide, kNlmColumns), vector);
-  rows_ = even(over.height(), kNlmRows);
-  groups_ = std::min(kGroups, parts(wide, columns_) * parts(over.height(), rows_));
-  const int width = rounded_up(columns_ + 2 * shape.patch + shape.radius + kNlmGroup, vector);
-  const int height = rows_ + shape.radius;
-  const int pitch = rounded_up(columns_ + 2 * shape.reach() + kNlmGroup + vector, vector);
-  room_ = (2 * shape.halves * shape.channels + 1) * pitch * (rows_ + 2 * shape.reach()) +
-          shape.halves * (shape.channels + 1) * columns_ * rows_ +
-          kNlmGroup * (2 * shape.halves + 1) * width * height;
-  scratch_ = s.scratch(static_cast<std::size_t>(groups_) * room_);
+Nlm::Nlm(Stage& s, const Region& over, const NlmShape& shape)
+    : stage_(s), over_(over), shape_(shape), tiles_(tiles(s, over, kNlmColumns, kNlmRows)) {
+  const int vector = s.vector(), columns = tiles_.columns, rows = tiles_.rows;
+  const int width = rounded_up(columns + 2 * shape.patch + shape.radius + kNlmGroup, vector);
+  const int height = rows + shape.radius;
+  const int pitch = rounded_up(columns + 2 * shape.reach() + kNlmGroup + vector, vector);
+  room_ = nlm_planes(shape) * pitch * (rows + 2 * shape.reach()) +
+          shape.halves * (shape.channels + 1) * columns * rows +
+          kNlmGroup * ((2 * shape.halves + 1) * height + kNlmRowsBeside) * width;
+  scratch_ = s.scratch(static_cast<std::size_t>(tiles_.groups) * room_);
 }
 
 void Nlm::run(const Planes& valid, const Planes& signals, int first, const Planes& to, int first_to,
@@ -54,13 +40,13 @@ void Nlm::run(const Planes& valid, const Planes& signals, int first, const Plane
   const cl_float4 k{{static_cast<float>(mean / (taps * taps)), static_cast<float>(mean),
                      static_cast<float>(std::max(0.0, kOne + kOctave * std::log2(t.threshold))),
                      static_cast<float>(t.epsilon * a)}};
-  stage_.run("nlm", {0, 0, 1, groups_}, 1, valid, signals, first, to, first_to, stage_.layout(), over_,
-             columns_, rows_, scratch_, room_, k, static_cast<float>(t.threshold));
+  stage_.run("nlm", {0, 0, 1, tiles_.groups}, 1, valid, signals, first, to, first_to, stage_.layout(), over_,
+             tiles_.columns, tiles_.rows, scratch_, room_, k, static_cast<float>(t.threshold));
 }
 
 void Nlm::mean_of_exp(const Planes& valid, const Planes& signals, int first, const Planes& to, int first_to) {
-  stage_.run("nlm_mean_of_exp", {0, 0, 1, groups_}, 1, valid, signals, first, to, first_to, stage_.layout(),
-             over_, columns_, rows_, scratch_, room_);
+  stage_.run("nlm_mean_of_exp", {0, 0, 1, tiles_.groups}, 1, valid, signals, first, to, first_to,
+             stage_.layout(), over_, tiles_.columns, tiles_.rows, scratch_, room_);
 }
 
 }  // namespace tessera

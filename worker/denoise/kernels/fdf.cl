@@ -60,49 +60,51 @@ vf larger(vf a, vf b) { return a > b ? a : b; }
 // The largest difference of three channels.
 vf fdf_difference(global const float* guides, long plane, size_t q, const vf* centre) {
   return larger(
-      larger(fabs(nlm_load(guides + q) - centre[0]), fabs(nlm_load(guides + plane + q) - centre[1])),
-      fabs(nlm_load(guides + 2 * plane + q) - centre[2]));
+      larger(fabs(fetch(guides + q) - centre[0]), fabs(fetch(guides + plane + q) - centre[1])),
+      fabs(fetch(guides + 2 * plane + q) - centre[2]));
 }
 
-// k: what is taken off a weight's exponent by the largest differences of albedo, of normals, and of shading at one sample.
+// k: as of fdf_filter.
+INLINE void pair_weights(PairPictures s, size_t begin, int row, PairOffsets o, float4 k) {
+  FOR_EACH_SHARED(i, o.width) {
+    const size_t p = begin + i;
+    vf guide[8];
+    for (int c = 0; c < 8; ++c) guide[c] = fetch(s.guides + c * s.plane + p);
+    const vf shading_scale = guide[7] * k.z, here = fetch(s.valid + p);
+#pragma nounroll
+    for (int dx = o.first; dx <= o.last; ++dx) {
+      const size_t q = p + (long)o.dy * s.stride + dx;
+      const vf albedo = fdf_difference(s.guides, s.plane, q, guide) * k.x;
+      const vf normal = fdf_difference(s.guides + 3 * s.plane, s.plane, q, guide + 3) * k.y;
+      const vf shading = fabs(fetch(s.guides + 6 * s.plane + q) - guide[6]) *
+                         (shading_scale * fetch(s.guides + 7 * s.plane + q));
+      const vf distance = larger(larger(albedo, normal), larger(shading, here + fetch(s.valid + q)));
+      const vf exponent = OF_ONE - distance;
+      put(number_of(exponent > (vf)0.0f ? exponent : (vf)0.0f), pair_row(o, row, dx) + i);
+    }
+  }
+}
+
+// k: what is taken off a weight's exponent by the largest differences of albedo, of normals, and of shading at one
+// sample. scratch: `room` floats for each work-group.
 kernel void fdf_filter(global const float* restrict valid, global const float* restrict guides,
                        global const float* restrict colors, global float* restrict to, int stride, long plane,
-                       long origin, int x0, int y0, int x1, int y1, float4 k) {
-  const int y = y0 + get_global_id(1);
-  if (y >= y1) return;
-  FOR_EACH_VECTOR(x, x0, x1) {
-    const size_t p = origin + (size_t)y * stride + x;
-    vf guide[8], color[3], sum = 1.0f, total[3];
-    for (int c = 0; c < 8; ++c) guide[c] = nlm_load(guides + c * plane + p);
-    for (int c = 0; c < 3; ++c) {
-      color[c] = nlm_load(colors + c * plane + p);
-      total[c] = 0.0f;
-    }
-    const vf shading_scale = guide[7] * k.z;
-#pragma nounroll
-    for (int j = -FDF_RADIUS; j <= FDF_RADIUS; ++j) {
-#pragma nounroll
-      for (int i = -FDF_RADIUS; i <= FDF_RADIUS; ++i) {
-        if (i == 0 && j == 0) continue;
-        const size_t q = p + (long)j * stride + i;
-        const vf albedo = fdf_difference(guides, plane, q, guide) * k.x;
-        const vf normal = fdf_difference(guides + 3 * plane, plane, q, guide + 3) * k.y;
-        const vf shading = fabs(nlm_load(guides + 6 * plane + q) - guide[6]) *
-                           (shading_scale * nlm_load(guides + 7 * plane + q));
-        const vf distance = larger(larger(albedo, normal), larger(shading, nlm_load(valid + q)));
-        const vf exponent = OF_ONE - distance;
-        const vf weight = number_of(exponent > (vf)0.0f ? exponent : (vf)0.0f);
-        sum += weight;
-#pragma unroll
-        for (int c = 0; c < 3; ++c)
-          total[c] = fma(weight, nlm_load(colors + c * plane + q) - color[c], total[c]);
+                       long origin, int x0, int y0, int x1, int y1, int columns, int rows,
+                       global float* restrict scratch, int room, float4 k) {
+  const PairPictures s = {guides, valid, colors, plane, stride};
+  global float* acc = scratch + (long)group_number() * room;
+  for (int n = group_number(); n < tiles_of(x0, y0, x1, y1, columns, rows); n += group_count()) {
+    const Tile t = tile_of(n, x0, y0, x1, y1, columns, rows);
+    const size_t first = origin + (size_t)t.y * stride + t.x;
+    pair_tile(s, first, t, k, acc);
+    for (int row = 0; row < t.rows; ++row) FOR_EACH_SHARED(i, t.columns) {
+        const size_t p = first + (size_t)row * stride + i;
+        vf mean[3];
+        pair_mean(s, p, acc + (long)row * t.columns + i, (long)t.columns * t.rows, mean);
+        const vi is_valid = fetch(valid + p) < (vf)INFINITY;
+        for (int c = 0; c < 3; ++c) put(is_valid ? mean[c] : (vf)0.0f, to + c * plane + p);
       }
-    }
-    // p plus the mean difference, not the mean: a constant picture comes back bit for bit.
-    const vf scale = 1.0f / sum;
-    const vi is_valid = nlm_load(valid + p) < (vf)INFINITY;
-    for (int c = 0; c < 3; ++c)
-      store(is_valid ? fma(total[c], scale, color[c]) : (vf)0.0f, to + c * plane + p);
+    barrier(CLK_GLOBAL_MEM_FENCE);
   }
 }
 
@@ -116,11 +118,11 @@ kernel void finish(global const float* restrict input, int w, int h, global cons
   FOR_EACH_VECTOR(x, x0, x1) {
     const int n = x1 - x;
     const size_t p = origin + (size_t)y * stride + x;
-    const vi is_valid = nlm_load(valid + p) < (vf)INFINITY;
+    const vi is_valid = fetch(valid + p) < (vf)INFINITY;
     for (int c = 0; c < 3; ++c) {
       const vf color = load_first(input + (IN_COLOR + c) * area + (size_t)y * w + x, n, 0.0f);
       const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
-      store_first(is_valid ? nlm_load(filtered + c * plane + p) : kept,
+      store_first(is_valid ? fetch(filtered + c * plane + p) : kept,
                   output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), n);
     }
   }

@@ -46,8 +46,8 @@ NLM_INLINE void nlm_quotients(global const float* q, int pitch, NlmPixels p, flo
     vf d[NLM_HALVES], r[NLM_HALVES], s[NLM_HALVES];
 #pragma unroll
     for (int h = 0; h < NLM_HALVES; ++h) {
-      const vf wp = p.w[h][c], wq = nlm_load(q + NLM_W(h, c) * pitch);
-      const vf difference = nlm_load(q + NLM_U(h, c) * pitch) - p.u[h][c];
+      const vf wp = p.w[h][c], wq = fetch(q + NLM_W(h, c) * pitch);
+      const vf difference = fetch(q + NLM_U(h, c) * pitch) - p.u[h][c];
       d[h] = (wp - 2 * epsilon) + wq;
       s[h] = fma(difference, difference, wq > wp ? wq : wp);
     }
@@ -81,8 +81,8 @@ NLM_INLINE void nlm_down(global const float* own, NlmTile t, int i, float epsilo
     for (int h = 0; h < NLM_HALVES; ++h)
 #pragma unroll
       for (int c = 0; c < NLM_CHANNELS; ++c) {
-        here.u[h][c] = nlm_load(p + NLM_U(h, c) * pitch);
-        here.w[h][c] = nlm_load(p + NLM_W(h, c) * pitch);
+        here.u[h][c] = fetch(p + NLM_U(h, c) * pitch);
+        here.w[h][c] = fetch(p + NLM_W(h, c) * pitch);
       }
 #pragma nounroll
     for (int g = 0; g < t.offsets; ++g) {
@@ -90,8 +90,8 @@ NLM_INLINE void nlm_down(global const float* own, NlmTile t, int i, float epsilo
       vf quotient[NLM_MAPS + 1];
       nlm_quotients(q, pitch, here, epsilon, quotient);
       if (!whole) {
-        const vi pair = (nlm_load(p + (NLM_PLANES - 1) * pitch) < (vf)INFINITY) &
-                        (nlm_load(q + (NLM_PLANES - 1) * pitch) < (vf)INFINITY);
+        const vi pair = (fetch(p + (NLM_PLANES - 1) * pitch) < (vf)INFINITY) &
+                        (fetch(q + (NLM_PLANES - 1) * pitch) < (vf)INFINITY);
 #pragma unroll
         for (int m = 0; m < NLM_MAPS; ++m) quotient[m] = pair ? quotient[m] : (vf)0.0f;
         quotient[NLM_MAPS] = pair ? (vf)1.0f : (vf)0.0f;
@@ -101,7 +101,7 @@ NLM_INLINE void nlm_down(global const float* own, NlmTile t, int i, float epsilo
       for (int m = 0; m < NLM_MAPS + 1; ++m) {
         if (m == NLM_MAPS && whole) continue;
         const vf sum = nlm_ring_sum(&rings[g][m], y, quotient[m]);
-        if (y >= 2 * NLM_PATCH) nlm_save(sum, to + m * map);
+        if (y >= 2 * NLM_PATCH) put(sum, to + m * map);
       }
     }
   }
@@ -149,7 +149,7 @@ NLM_INLINE void nlm_gather(global const float* own, NlmTile t, int i, int row, N
 #pragma unroll
       for (int h = 0; h < NLM_HALVES; ++h) {
         e[h] = nlm_exponent(nlm_across(here + (back * NLM_HALVES + h) * map), scale, k.threshold);
-        if (!whole) e[h] = nlm_load(q + (NLM_PLANES - 1) * pitch) < (vf)INFINITY ? e[h] : (vf)0.0f;
+        if (!whole) e[h] = fetch(q + (NLM_PLANES - 1) * pitch) < (vf)INFINITY ? e[h] : (vf)0.0f;
         most = most > e[h] ? most : e[h];
       }
       if (!nlm_any(most > (vf)0.0f)) continue;
@@ -166,7 +166,7 @@ NLM_INLINE void nlm_gather(global const float* own, NlmTile t, int i, int row, N
 #pragma unroll
         for (int c = 0; c < NLM_CHANNELS; ++c) {
           const int u = NLM_U(other, c) * pitch;
-          total[other][1 + c] = fma(w, nlm_load(q + u) - nlm_load(p + u), total[other][1 + c]);
+          total[other][1 + c] = fma(w, fetch(q + u) - fetch(p + u), total[other][1 + c]);
         }
       }
     }
@@ -175,18 +175,18 @@ NLM_INLINE void nlm_gather(global const float* own, NlmTile t, int i, int row, N
 #pragma unroll
   for (int h = 0; h < NLM_HALVES; ++h)
 #pragma unroll
-    for (int c = 0; c <= NLM_CHANNELS; ++c, acc += area) nlm_save(nlm_load(acc) + total[h][c], acc);
+    for (int c = 0; c <= NLM_CHANNELS; ++c, acc += area) put(fetch(acc) + total[h][c], acc);
 }
 
 // All offsets of one tile.
-NLM_INLINE void nlm_tile(global const float* own, NlmTile t, NlmScales k, float lowered, global float* acc,
+NLM_INLINE void nlm_offsets(global const float* own, NlmTile t, NlmScales k, float lowered, global float* acc,
                          global float* sums, const int whole) {
   NLM_FOR_EACH_GROUP(t) {
     t = nlm_with_tables(t);
-    NLM_FOR_EACH_VECTOR(i, t.width)
+    FOR_EACH_SHARED(i, t.width)
     nlm_down(own, t, i, k.epsilon, sums, whole);
     barrier(CLK_GLOBAL_MEM_FENCE);
-    for (int row = 0; row < t.rows; ++row) NLM_FOR_EACH_VECTOR(i, t.columns)
+    for (int row = 0; row < t.rows; ++row) FOR_EACH_SHARED(i, t.columns)
     nlm_gather(own, t, i, row, k, lowered, sums, acc, whole);
     barrier(CLK_GLOBAL_MEM_FENCE);
   }
@@ -195,13 +195,13 @@ NLM_INLINE void nlm_tile(global const float* own, NlmTile t, NlmScales k, float 
 // p plus the mean difference, not the mean: a constant picture comes back bit for bit.
 void nlm_store(global const float* valid, global const float* signal, long plane, size_t p,
                global const float* acc, long area, global float* to) {
-  const vi is_valid = nlm_load(valid + p) < (vf)INFINITY;
+  const vi is_valid = fetch(valid + p) < (vf)INFINITY;
   for (int h = 0; h < NLM_HALVES; ++h) {
-    const vf scale = 1.0f / nlm_load(acc + h * (NLM_CHANNELS + 1) * area);
+    const vf scale = 1.0f / fetch(acc + h * (NLM_CHANNELS + 1) * area);
     for (int c = 0; c < NLM_CHANNELS; ++c) {
-      const vf u = nlm_load(signal + NLM_U(h, c) * plane + p);
-      const vf mean = fma(nlm_load(acc + (h * (NLM_CHANNELS + 1) + 1 + c) * area), scale, u);
-      nlm_save(is_valid ? mean : (vf)0.0f, to + (h * NLM_CHANNELS + c) * plane + p);
+      const vf u = fetch(signal + NLM_U(h, c) * plane + p);
+      const vf mean = fma(fetch(acc + (h * (NLM_CHANNELS + 1) + 1 + c) * area), scale, u);
+      put(is_valid ? mean : (vf)0.0f, to + (h * NLM_CHANNELS + c) * plane + p);
     }
   }
 }
@@ -213,25 +213,25 @@ kernel void nlm(global const float* restrict valid, global const float* restrict
                 int x1, int y1, int columns, int rows, global float* restrict scratch, int room, float4 k,
                 float lowered) {
   global const float* signal = signals + (long)first * plane;
-  global float* acc = scratch + (long)nlm_group() * room;
+  global float* acc = scratch + (long)group_number() * room;
   const NlmScales scales = {k.x, k.y, k.z, k.w};
-  for (int n = nlm_group(); n < nlm_tiles(x0, y0, x1, y1, columns, rows); n += nlm_groups()) {
-    const NlmTile t = nlm_tile_of(n, x0, y0, x1, y1, columns, rows);
+  for (int n = group_number(); n < tiles_of(x0, y0, x1, y1, columns, rows); n += group_count()) {
+    const NlmTile t = nlm_tile(tile_of(n, x0, y0, x1, y1, columns, rows));
     const long area = (long)t.columns * t.rows;
     const int planes = NLM_HALVES * (NLM_CHANNELS + 1);
     global float *own = acc + planes * area, *sums = own + nlm_own_floats(t, NLM_PLANES);
     for (int h = 0; h < planes; ++h)  // the pixel itself has weight 1
-      NLM_FOR_EACH_VECTOR(i, area)
-    nlm_save((vf)(h % (NLM_CHANNELS + 1) == 0 ? 1.0f : 0.0f), acc + h * area + i);
+      FOR_EACH_SHARED(i, area)
+    put((vf)(h % (NLM_CHANNELS + 1) == 0 ? 1.0f : 0.0f), acc + h * area + i);
     for (int c = 0; c < NLM_PLANES; ++c)
       nlm_copy(c < NLM_PLANES - 1 ? signal + c * plane : valid, stride, origin, t, NLM_PLANES,
                own + c * t.pitch);
     barrier(CLK_GLOBAL_MEM_FENCE);
     if (nlm_is_whole(valid, stride, origin, t))
-      nlm_tile(own, t, scales, lowered, acc, sums, 1);
+      nlm_offsets(own, t, scales, lowered, acc, sums, 1);
     else
-      nlm_tile(own, t, scales, lowered, acc, sums, 0);
-    for (int row = 0; row < t.rows; ++row) NLM_FOR_EACH_VECTOR(i, t.columns)
+      nlm_offsets(own, t, scales, lowered, acc, sums, 0);
+    for (int row = 0; row < t.rows; ++row) FOR_EACH_SHARED(i, t.columns)
     nlm_store(valid, signal, plane, origin + (long)(t.y + row) * stride + t.x + i,
               acc + (long)row * t.columns + i, area, to + (long)first_to * plane);
     barrier(CLK_GLOBAL_MEM_FENCE);

@@ -8,16 +8,6 @@
 #define NLM_TAPS (2 * NLM_PATCH + 1)
 #define NLM_RING (NLM_PATCH < 4 ? 8 : 16)  // rows of quotients that are kept; a power of two
 #define NLM_FULL (NLM_TAPS * NLM_TAPS)
-// A vector at any address, in one load: the library's vload is pieces to the compiler, which of overlapping
-// vectors shares the pieces and puts them together at several times the cost.
-#if VW == 1
-#define nlm_load load
-#define nlm_save store
-#else
-typedef vf nlm_unaligned __attribute__((aligned(4)));
-#define nlm_load(p) (*(global const nlm_unaligned*)(p))
-#define nlm_save(v, p) (*(global nlm_unaligned*)(p) = (v))
-#endif
 
 // The two cases of `whole` are two programs.
 #define NLM_INLINE __attribute__((always_inline))
@@ -82,38 +72,25 @@ void nlm_copy(global const float* from, int stride, long origin, NlmTile t, int 
   for (int y = -NLM_REACH; y < t.rows + NLM_REACH; ++y, to += planes * t.pitch) {
     global const float* row = from + origin + (long)(t.y + y) * stride + t.x - NLM_REACH;
     for (int i = get_local_id(0) * VW; i < t.pitch; i += get_local_size(0) * VW)
-      nlm_save(i < t.columns + 2 * NLM_REACH ? nlm_load(row + i) : (vf)0.0f, to + i);
+      put(i < t.columns + 2 * NLM_REACH ? fetch(row + i) : (vf)0.0f, to + i);
   }
 }
 
-// Tile number n of those of columns x rows (whole vectors) over [x0, x1) x [y0, y1).
-NlmTile nlm_tile_of(int n, int x0, int y0, int x1, int y1, int columns, int rows) {
-  const int across = (x1 - x0 + columns - 1) / columns;
+NlmTile nlm_tile(Tile part) {
   NlmTile t;
-  t.x = x0 + n % across * columns;
-  t.y = y0 + n / across * rows;
-  t.columns = (min(columns, x1 - t.x) + VW - 1) / VW * VW;
-  t.rows = min(rows, y1 - t.y);
+  t.x = part.x;
+  t.y = part.y;
+  t.columns = part.columns;
+  t.rows = part.rows;
   t.pitch = nlm_pitch(t.columns);
   return t;
 }
-int nlm_tiles(int x0, int y0, int x1, int y1, int columns, int rows) {
-  return (x1 - x0 + columns - 1) / columns * ((y1 - y0 + rows - 1) / rows);
-}
-
-// Number of the work-group, and of all.
-int nlm_group() { return get_group_id(1) * get_num_groups(0) + get_group_id(0); }
-int nlm_groups() { return get_num_groups(0) * get_num_groups(1); }
 
 // The offsets of half the window, in groups; the other half are their opposites.
 #define NLM_FOR_EACH_GROUP(t)                \
   for (t.dy = 0; t.dy <= NLM_RADIUS; ++t.dy) \
     for (t.dx = t.dy == 0 ? 1 : -NLM_RADIUS; \
          t.offsets = min(NLM_GROUP, NLM_RADIUS + 1 - t.dx), t.dx <= NLM_RADIUS; t.dx += NLM_GROUP)
-
-// A work-group's items share the columns of a tile.
-#define NLM_FOR_EACH_VECTOR(i, width) \
-  for (int i = get_local_id(0) * VW; i < (width); i += get_local_size(0) * VW)
 
 // Where a group's sum for the pair with the offset g of it, or its opposite (`back`), lies in its table; and
 // the pixel's distance from that at the other end.
@@ -143,9 +120,9 @@ NLM_INLINE vf nlm_ring_sum(NlmRing* ring, int y, vf row) {
 
 // The sum of 2 NLM_PATCH + 1 neighbours in a row of a table.
 vf nlm_across(global const float* sums) {
-  vf sum = nlm_load(sums - NLM_PATCH);
+  vf sum = fetch(sums - NLM_PATCH);
 #pragma unroll
-  for (int k = 1 - NLM_PATCH; k <= NLM_PATCH; ++k) sum += nlm_load(sums + k);
+  for (int k = 1 - NLM_PATCH; k <= NLM_PATCH; ++k) sum += fetch(sums + k);
   return sum;
 }
 
@@ -154,7 +131,7 @@ int nlm_is_whole(global const float* valid, int stride, long origin, NlmTile t) 
   for (int y = t.y - NLM_REACH; y < t.y + t.rows + NLM_REACH; ++y) {
     vi missing = 0;
     for (int x = t.x - NLM_REACH; x < t.x + t.columns + NLM_REACH; x += VW)
-      missing |= !(nlm_load(valid + origin + (long)y * stride + x) < (vf)INFINITY);
+      missing |= !(fetch(valid + origin + (long)y * stride + x) < (vf)INFINITY);
     if (nlm_any(missing)) return 0;
   }
   return 1;
