@@ -46,7 +46,7 @@ Image planes_of(const Image& image, int first, int count) {
 
 bool same_bits(const Image& a, const Image& b) {
   return a.region() == b.region() && a.planes() == b.planes() &&
-         std::memcmp(a.data().data(), b.data().data(), a.data().size_bytes()) == 0;
+         (a.empty() || std::memcmp(a.data().data(), b.data().data(), a.data().size_bytes()) == 0);
 }
 
 }  // namespace tessera
