@@ -10,10 +10,11 @@ inline constexpr int kPairColumns = 128, kPairRows = 64, kPairGroup = 9;
 struct PairShape {
   int radius = 0;  // of the window
 
-  // Of weights that are kept: a power of two, more than the radius.
+  // Of weights that are kept: a power of two. A row is gathered with the one `radius` rows before it, while
+  // other work-items are a row ahead.
   constexpr int rows() const {
     int rows = 2;
-    while (rows <= radius) rows *= 2;
+    while (rows < radius + 2) rows *= 2;
     return rows;
   }
 };

@@ -24,8 +24,9 @@ int window_radius(const ParameterValues& values, std::string_view name) {
   return static_cast<int>(values.find(name)->second) + 1;
 }
 
-// The least tiles and the widest windows need the most: a strip is mostly its edges there.
-double window_scratch(int planes) { return 2.25 * planes; }
+// A strip's row has 160 floats for a radius up to 16, 192 beyond; a row of the narrowest plane 48 up to 15,
+// 80 beyond.
+double window_scratch(int planes) { return 160.0 / 48 * planes; }
 
 Parameter diameter_parameter() {
   return {.name = "diameter",

@@ -12,8 +12,6 @@ namespace {
 
 constexpr int kLine = 16;  // floats of a cache line
 
-int rounded_up(int v, int step) { return (v + step - 1) / step * step; }
-
 std::vector<Region> regions_of(const std::vector<Pass>& passes, const Region& inner, const Region& frame) {
   std::vector<Region> regions(passes.size());
   int later = 0;
@@ -61,9 +59,11 @@ std::string joined(const std::vector<std::string_view>& sources) {
 
 }  // namespace
 
+int rounded_up(int v, int step) { return (v + step - 1) / step * step; }
+
 // Rows and planes start on different cache sets, for a kernel reads many of them at once.
 Layout::Layout(const Region& outer, int reach, int vector) {
-  pad = rounded_up(std::max(reach, 1), kLine);
+  pad = rounded_up(reach + 1, kLine);
   stride = rounded_up(pad + outer.width() + reach + 2 * vector, kLine);
   if (stride / kLine % 2 == 0) stride += kLine;
   rows = outer.height() + 2 * pad;

@@ -13,6 +13,8 @@
 
 namespace tessera {
 
+int rounded_up(int v, int step);  // to a multiple of step
+
 // Where a tile's outer region lies in padded planes; all planes of a run lie alike.
 struct Layout {
   int pad = 0;               // columns left of the region; rows above and below
@@ -20,7 +22,7 @@ struct Layout {
   cl_long plane = 0;         // floats from one plane to the next
   cl_long origin = 0;        // of the region's first pixel
 
-  // Room for `reach` pixels on each side, and on the right for the rest of a vector.
+  // Room for more than `reach` pixels on each side, and on the right for the rest of a vector.
   Layout() = default;
   Layout(const Region& outer, int reach, int vector);
 };

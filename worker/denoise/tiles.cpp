@@ -13,8 +13,6 @@ int even(int length, int most) { return parts(length, parts(length, most)); }
 
 }  // namespace
 
-int rounded_up(int v, int step) { return parts(v, step) * step; }
-
 Tiles tiles(const Stage& s, const Region& over, int columns, int rows) {
   const int vector = s.vector();
   // The kernel starts at a multiple of the vector.

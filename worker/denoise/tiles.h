@@ -14,6 +14,4 @@ struct Tiles {
 // Of nearly one size, at most so large, for kernels to which `over` is passed.
 Tiles tiles(const Stage&, const Region& over, int columns, int rows);
 
-int rounded_up(int v, int step);
-
 }  // namespace tessera

@@ -16,8 +16,14 @@ constexpr int kWidestVector = 16;
 
 int pad(int radius) { return (radius + kWidestVector - 1) / kWidestVector * kWidestVector; }
 int pitch(int radius) { return kStrip + 2 * pad(radius); }
+int strips_over(int columns) { return (columns + kStrip - 1) / kStrip; }
 
 }  // namespace
+
+std::size_t window_floats(Size filtered, int radius, int planes) {
+  const auto rows = static_cast<std::size_t>(strips_over(filtered.width)) * (filtered.height + 2 * radius);
+  return rows * pitch(radius) * planes;
+}
 
 std::string window_options(const FilterPlan& plan, int planes) {
   const Pass pass = plan.passes().front();
@@ -26,12 +32,11 @@ std::string window_options(const FilterPlan& plan, int planes) {
 }
 
 Window window(Stage& s, int planes) {
-  const int radius = s.passes().front().radius, width = pitch(radius);
-  const int strips = (s.inner().width() + kStrip - 1) / kStrip;
-  const int rows = strips * s.inner().height(), rows_read = rows + strips * 2 * radius;
-  return {s.scratch(static_cast<std::size_t>(planes) * width * rows_read),
-          {0, 0, width, rows_read},
-          {0, 0, kStrip, rows}};
+  const int radius = s.passes().front().radius;
+  const int strips = strips_over(s.inner().width()), rows = s.inner().height();
+  return {s.scratch(window_floats({s.inner().width(), rows}, radius, planes)),
+          {0, 0, pitch(radius), strips * (rows + 2 * radius)},
+          {0, 0, kStrip, strips * rows}};
 }
 
 float exponent_over_square(double sigma) {

@@ -16,6 +16,8 @@ struct Window {
   Region to_prepare, to_filter;  // as high as there are work-items
 };
 Window window(Stage&, int planes);
+// Of its strips.
+std::size_t window_floats(Size filtered, int radius, int planes);
 
 // Weights' exponents of one octave, as the kernels count them.
 inline constexpr double kOctave = 1 << 23;

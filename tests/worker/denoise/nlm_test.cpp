@@ -40,6 +40,17 @@ TEST_F(NonLocalMeans, LeaveAStepWithoutVarianceAsItIs) {
   }
 }
 
+// Tiles of the kernels that have the picture all around them are a case of their own.
+TEST_F(NonLocalMeans, OfALargePictureAreThoseOfItsTiles) {
+  const Region region{0, 0, 420, 210};
+  for (const std::string_view text :
+       {"nlm:radius=1,patch=1", "nlm:mode=prefilter,radius=1,patch=1", "fdf:radius=1"}) {
+    const FilterPlan plan = parse_filter(text);
+    const Image input = made_up_input(plan, region, "noise");
+    EXPECT_TRUE(same_bits(stitched(plan, input, {37, 53}), filtered(plan, input))) << text;
+  }
+}
+
 TEST_F(NonLocalMeans, FilterEitherHalfWithTheWeightsOfTheOther) {
   const FilterPlan plan = parse_filter("nlm:radius=4");
   const Region region{0, 0, 37, 29};

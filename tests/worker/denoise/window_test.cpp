@@ -4,8 +4,10 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/filter/descriptions.h"
 #include "tests/worker/denoise/denoise_test.h"
 #include "worker/denoise/device_cl.h"
+#include "worker/denoise/window.h"
 
 namespace tessera {
 namespace {
@@ -69,6 +71,20 @@ TEST_F(WindowWeights, AreExactAtTheEnds) {
                 testing::ElementsAre(1.0f, 0.5f, 0.0f, 0.0f, 0x1p-126f, 0.0f, 0.0f))
         << kernels;
   }
+}
+
+// What its description states is enough for every size and vector, a picture that is its own tile among them.
+TEST(WindowScratch, IsStated) {
+  constexpr int kPlanes = 3;
+  for (const int vector : {1, 4, 8, 16})
+    for (int radius = 1; radius <= 27; ++radius)
+      for (const int width : {1, 2, 8, 14, 26, 40, 127, 128, 129, 200, 1000})
+        for (const int height : {1, 30, 600, 2160}) {
+          const Layout layout({0, 0, width, height}, radius, vector);
+          EXPECT_LE(static_cast<double>(window_floats({width, height}, radius, kPlanes)),
+                    window_scratch(kPlanes) * static_cast<double>(layout.plane))
+              << width << "x" << height << ", radius " << radius << ", vectors of " << vector;
+        }
 }
 
 }  // namespace

@@ -173,44 +173,45 @@ kernel void ddf(WINDOW_INPUT, global const float* restrict strips, WINDOW_REGION
   const size_t area = (size_t)w * h, out_area = (size_t)(x1 - x0) * rows;
   global float* out = output + (size_t)s.row * (x1 - x0) + first;
   s.row += RADIUS;
-  const int begin = get_global_id(0) * VW;
   global const float* centres = strips + strip_offset(s, rows + 2 * RADIUS) + PAD;
-  Lights all[SIDE];
-  const Light none = {0.0f, 0.0f, 0.0f, 0.0f};
-  for (int v = 0; v < SIDE; ++v) all[v].direct = all[v].indirect = none;
+  for (int begin = get_global_id(0) * VW; begin < columns; begin += get_global_size(0) * VW * SIDE) {
+    Lights all[SIDE];
+    const Light none = {0.0f, 0.0f, 0.0f, 0.0f};
+    for (int v = 0; v < SIDE; ++v) all[v].direct = all[v].indirect = none;
 #pragma nounroll
-  for (int j = -RADIUS; j <= RADIUS; j += STEP)
+    for (int j = -RADIUS; j <= RADIUS; j += STEP)
+#pragma nounroll
+      for (int v = 0; v < SIDE && begin + v * VW < columns; ++v) {
+        global const float* p = centres + begin + v * VW;
+        gather_row(&all[v], p, p + j * (PLANES * PITCH) - RADIUS);
+      }
 #pragma nounroll
     for (int v = 0; v < SIDE && begin + v * VW < columns; ++v) {
-      global const float* p = centres + begin + v * VW;
-      gather_row(&all[v], p, p + j * (PLANES * PITCH) - RADIUS);
-    }
-#pragma nounroll
-  for (int v = 0; v < SIDE && begin + v * VW < columns; ++v) {
-    const int column = begin + v * VW;
-    global const float* p = centres + column;
-    const Light direct = all[v].direct;
-    Light indirect = all[v].indirect;
+      const int column = begin + v * VW;
+      global const float* p = centres + column;
+      const Light direct = all[v].direct;
+      Light indirect = all[v].indirect;
 #ifdef IN_BOUNCE_VARIANCE
-    // The centre's weight is 1.
-    const vf kept = fetch(p + NEIGHBOURS * PITCH);
-    indirect.sum = fma(kept, indirect.sum - 1.0f, (vf)1.0f);
-    indirect.red *= kept;
-    indirect.green *= kept;
-    indirect.blue *= kept;
+      // The centre's weight is 1.
+      const vf kept = fetch(p + NEIGHBOURS * PITCH);
+      indirect.sum = fma(kept, indirect.sum - 1.0f, (vf)1.0f);
+      indirect.red *= kept;
+      indirect.green *= kept;
+      indirect.blue *= kept;
 #endif
-    // The pixel plus the mean difference, not the mean: a constant picture comes back bit for bit.
-    const vf per_direct = unscale.x / direct.sum, per_indirect = unscale.y / indirect.sum;
-    const vf d[3] = {direct.red, direct.green, direct.blue}, e[3] = {indirect.red, indirect.green, indirect.blue};
-    const vi valid = fetch(p) < (vf)INFINITY;
-    global const float* in = input + (size_t)y * w + x0 + first + column;
-    const int n = columns - column;
-    for (int c = 0; c < 3; ++c) {
-      const vf a = load_first(in + (IN_DIRECT + c) * area, n, 0.0f), b = load_first(in + (IN_INDIRECT + c) * area, n, 0.0f);
-      const vf emission = load_first(in + (IN_EMISSION + c) * area, n, 0.0f);
-      const vf color = a + b + emission, passed = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
-      const vf filtered = fma(d[c], per_direct, a) + fma(e[c], per_indirect, b) + emission;
-      store_first(valid ? filtered : passed, out + c * out_area + column, n);
+      // The pixel plus the mean difference, not the mean: a constant picture comes back bit for bit.
+      const vf per_direct = unscale.x / direct.sum, per_indirect = unscale.y / indirect.sum;
+      const vf d[3] = {direct.red, direct.green, direct.blue}, e[3] = {indirect.red, indirect.green, indirect.blue};
+      const vi valid = fetch(p) < (vf)INFINITY;
+      global const float* in = input + (size_t)y * w + x0 + first + column;
+      const int n = columns - column;
+      for (int c = 0; c < 3; ++c) {
+        const vf a = load_first(in + (IN_DIRECT + c) * area, n, 0.0f), b = load_first(in + (IN_INDIRECT + c) * area, n, 0.0f);
+        const vf emission = load_first(in + (IN_EMISSION + c) * area, n, 0.0f);
+        const vf color = a + b + emission, passed = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
+        const vf filtered = fma(d[c], per_direct, a) + fma(e[c], per_indirect, b) + emission;
+        store_first(valid ? filtered : passed, out + c * out_area + column, n);
+      }
     }
   }
 }

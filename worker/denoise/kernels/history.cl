@@ -78,7 +78,7 @@ INLINE vi whole(vf v) {
 INLINE void find_runs(Seen* s, int width) {
   s->start = s->y * width + s->x - load(kLanes);
   const int first = first_lane(s->start);
-  if (!any_lane(~s->wanted | (s->start != (vi)first))) {
+  if (!any_lane(!s->wanted | (s->start != (vi)first))) {
     s->runs = 1;
     s->run[0] = s->lowest = s->highest = first;
     return;

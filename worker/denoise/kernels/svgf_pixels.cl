@@ -97,7 +97,7 @@ INLINE void modulated(global const float* in, size_t area, int n, vi valid, cons
     const vf albedo = load_first(in + (IN_ALBEDO + c) * area, n, 0.0f);
     rgb[c] = (light[c] + light[3 + c]) * albedo_floored(albedo) + emission[c];
   }
-  if (!any_lane(~valid)) return;
+  if (!any_lane(!valid)) return;
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
     const vf direct = load_first(in + (IN_DIRECT + c) * area, n, 0.0f);

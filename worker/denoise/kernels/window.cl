@@ -51,7 +51,7 @@ StripRow picture_row(int index, int columns) {
 }
 
 // Vectors that a work-item filters side by side, one row of their windows after the other, so that all of them take
-// their taps of a row while it is in the nearest cache. Elsewhere than on CPUs a work-item has one pixel.
+// their taps of a row while it is in the nearest cache. A vector of one pixel, as on GPUs, is alone.
 #define SIDE (VW == 1 ? 1 : STRIP / VW)
 
 // First float of plane 0 of row `row` (0: the first that is read) of a strip of `rows` rows.
