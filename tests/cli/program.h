@@ -32,8 +32,6 @@ inline Outcome run(const std::vector<std::string>& arguments,
     dup2(ends[1], STDOUT_FILENO);
     dup2(ends[1], STDERR_FILENO);
     close(ends[0]);
-    setenv("LSAN_OPTIONS", "suppressions=" TESSERA_SOURCE_DIR "/tests/lsan.supp:print_suppressions=0", 1);
-    setenv("ASAN_OPTIONS", "fast_unwind_on_malloc=0", 1);  // so that the libraries are recognised
     std::vector<char*> argv{const_cast<char*>(TESSERA_BINARY)};
     for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
     argv.push_back(nullptr);
