@@ -39,11 +39,13 @@ function(tessera_library name)
   target_link_libraries(${name} PUBLIC tessera_options ${ARG_LINK} PRIVATE ${ARG_PRIVATE})
 endfunction()
 
-# tessera_test(NAME SOURCES ... LINK ...): one GoogleTest binary, one ctest entry per test case.
+# tessera_test(NAME SOURCES ... LINK ...): one GoogleTest binary, one ctest entry per test case. What is tested has been
+# optimised; the tests themselves take longer to compile than to run.
 function(tessera_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE tessera_options ${ARG_LINK} GTest::gmock GTest::gtest_main)
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(${name} PRIVATE TESSERA_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 900
     ENVIRONMENT "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp"
