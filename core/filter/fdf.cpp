@@ -70,9 +70,7 @@ std::vector<Pass> passes(const ParameterValues& v) {
           {"fdf_filter", 1, radius, taps * kTap, 9 + 3 + 3}};
 }
 
-// Tiles may be half as large as they are meant to be, or end in a vector's rest.
 double scratch(const ParameterValues& v) {
-  constexpr double kUneven = 1.6;
   const double tile = pair_floats({static_cast<int>(v.find("radius")->second)}, kPairColumns, kPairRows, 16);
   return 1 + 8 + 3 + 3 + (smooths_guides(v) ? 14 : 2) + nlm_scratch(fdf_prefilter_shape(v)) +
          kUneven * tile / (kPairColumns * kPairRows);

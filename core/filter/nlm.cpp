@@ -122,7 +122,7 @@ double nlm_mean_of_exp_flops(const NlmShape& s) {
 
 // A table row is longer than the tile's by what offsets and patches reach, and by the rest of a vector.
 double nlm_scratch(const NlmShape& s) {
-  constexpr double kVector = 16, kUneven = 1.6;
+  constexpr double kVector = 16;
   const double longer = (kNlmColumns + 2.0 * s.patch + s.radius + kNlmGroup + kVector) / kNlmColumns;
   const double higher = (kNlmRows + 1.0 * s.radius) / kNlmRows, beside = 1.0 * kNlmRowsBeside / kNlmRows;
   const double wider = (kNlmColumns + 2.0 * s.reach() + kNlmGroup + 2 * kVector) / kNlmColumns;

@@ -20,6 +20,9 @@ struct NlmShape {
 // Tiles in which the kernels work, and the offsets they take at a time: tables of all their sums stay in a
 // core's second cache, the group's rows in the first.
 inline constexpr int kNlmColumns = 128, kNlmRows = 64, kNlmGroup = 3;
+// Scratch that tiles take by their size: they may be half as large as they are meant to be, or end in a
+// vector's rest.
+inline constexpr double kUneven = 1.6;
 // Rows that each offset has beside its tables at most: rings of 16 and their sums, for two maps.
 inline constexpr int kNlmRowsBeside = 2 * (2 * 16 + 1) + 1;
 
