@@ -44,19 +44,15 @@ kernel void prepare(WINDOW_INPUT, global float* restrict strips, WINDOW_REGION, 
   }
 }
 
-// output: RGB over [x0, x1) x [y0, y1). Invalid pixels keep their colour. near: UNIT log2(e) / (2 sigma_s^2);
+// output: RGB over [x0, x1) x [y0, y1). Invalid pixels keep their colour. near: EXPONENT_UNIT log2(e) / (2 sigma_s^2);
 // unscale: 1 over the colours' scale.
 kernel void bilateral(WINDOW_INPUT, global const float* restrict strips, WINDOW_REGION, float near, float unscale,
                       global float* restrict output) {
-  const int rows = y1 - y0, first = strip_row(get_global_id(1), rows).strip * STRIP;
-  StripRow s = strip_row(get_global_id(1), rows);
-  const int y = y0 + s.row;
-  const size_t area = (size_t)w * h, out_area = (size_t)(x1 - x0) * rows;
-  global float* out = output + (size_t)s.row * (x1 - x0) + first;
-  s.row += RADIUS;
-  global const float* centres = strips + strip_offset(s, rows + 2 * RADIUS) + PAD;
-  const int columns = min(STRIP, x1 - x0 - first);
-  FOR_EACH_VECTOR(column, 0, columns) {
+  const WindowRow r = window_row(x0, y0, x1, y1);
+  global const float* centres = strips + r.strip;
+  global float* out = output + r.out;
+  const size_t area = (size_t)w * h;
+  FOR_EACH_VECTOR(column, 0, r.columns) {
     vf centre[PLANES], sum = 0.0f, red = 0.0f, green = 0.0f, blue = 0.0f;
 #pragma unroll
     for (int c = 0; c < PLANES; ++c) centre[c] = load(centres + c * PITCH + column);
@@ -87,10 +83,10 @@ kernel void bilateral(WINDOW_INPUT, global const float* restrict strips, WINDOW_
     const vf scale = unscale / sum, difference[3] = {red, green, blue};
     const vi valid = centre[0] < (vf)(0.5f * FAR);
     for (int c = 0; c < 3; ++c) {
-      const int x = x0 + first + column;
-      const vf color = load_first(input + (IN_COLOR + c) * area + (size_t)y * w + x, columns - column, 0.0f);
+      const int x = x0 + r.first + column;
+      const vf color = load_first(input + (IN_COLOR + c) * area + (size_t)r.y * w + x, r.columns - column, 0.0f);
       const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
-      store_first(valid ? fma(difference[c], scale, color) : kept, out + c * out_area + column, columns - column);
+      store_first(valid ? fma(difference[c], scale, color) : kept, out + c * r.area + column, r.columns - column);
     }
   }
 }

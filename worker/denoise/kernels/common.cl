@@ -71,6 +71,7 @@ vf exp2_of_negative(vf t) {
 // Exponents of weights may be counted in float's own bits, from that of 1: 2^t has the exponent (t + 127) 2^23. So
 // planes are scaled by 2^11.5 more, and an exponent becomes a number by few instructions.
 #define OF_ONE 1065353216.0f
+#define EXPONENT_UNIT 8388608.0f  // an octave
 
 // The number whose exponent is e, 0 <= e <= OF_ONE. Relative error below 4e-6, and 3e-6 for each rounding of e; exactly
 // 1 at OF_ONE and 0 at 0. The mantissa m in [1, 2) becomes 2^(m - 1) by a minimax polynomial of degree 4 that is 1 at 1

@@ -167,26 +167,23 @@ INLINE void gather_row(Lights* lights, global const float* p, global const float
 // indirect light.
 kernel void ddf(WINDOW_INPUT, global const float* restrict strips, WINDOW_REGION, float2 unscale,
                 global float* restrict output) {
-  const int rows = y1 - y0;
-  StripRow s = strip_row(get_global_id(1), rows);
-  const int y = y0 + s.row, first = s.strip * STRIP, columns = min(STRIP, x1 - x0 - first);
-  const size_t area = (size_t)w * h, out_area = (size_t)(x1 - x0) * rows;
-  global float* out = output + (size_t)s.row * (x1 - x0) + first;
-  s.row += RADIUS;
-  global const float* centres = strips + strip_offset(s, rows + 2 * RADIUS) + PAD;
-  for (int begin = get_global_id(0) * VW; begin < columns; begin += get_global_size(0) * VW * SIDE) {
+  const WindowRow r = window_row(x0, y0, x1, y1);
+  global const float* centres = strips + r.strip;
+  global float* out = output + r.out;
+  const size_t area = (size_t)w * h;
+  for (int begin = get_global_id(0) * VW; begin < r.columns; begin += get_global_size(0) * VW * SIDE) {
     Lights all[SIDE];
     const Light none = {0.0f, 0.0f, 0.0f, 0.0f};
     for (int v = 0; v < SIDE; ++v) all[v].direct = all[v].indirect = none;
 #pragma nounroll
     for (int j = -RADIUS; j <= RADIUS; j += STEP)
 #pragma nounroll
-      for (int v = 0; v < SIDE && begin + v * VW < columns; ++v) {
+      for (int v = 0; v < SIDE && begin + v * VW < r.columns; ++v) {
         global const float* p = centres + begin + v * VW;
         gather_row(&all[v], p, p + j * (PLANES * PITCH) - RADIUS);
       }
 #pragma nounroll
-    for (int v = 0; v < SIDE && begin + v * VW < columns; ++v) {
+    for (int v = 0; v < SIDE && begin + v * VW < r.columns; ++v) {
       const int column = begin + v * VW;
       global const float* p = centres + column;
       const Light direct = all[v].direct;
@@ -203,14 +200,14 @@ kernel void ddf(WINDOW_INPUT, global const float* restrict strips, WINDOW_REGION
       const vf per_direct = unscale.x / direct.sum, per_indirect = unscale.y / indirect.sum;
       const vf d[3] = {direct.red, direct.green, direct.blue}, e[3] = {indirect.red, indirect.green, indirect.blue};
       const vi valid = fetch(p) < (vf)INFINITY;
-      global const float* in = input + (size_t)y * w + x0 + first + column;
-      const int n = columns - column;
+      global const float* in = input + (size_t)r.y * w + x0 + r.first + column;
+      const int n = r.columns - column;
       for (int c = 0; c < 3; ++c) {
         const vf a = load_first(in + (IN_DIRECT + c) * area, n, 0.0f), b = load_first(in + (IN_INDIRECT + c) * area, n, 0.0f);
         const vf emission = load_first(in + (IN_EMISSION + c) * area, n, 0.0f);
         const vf color = a + b + emission, passed = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
         const vf filtered = fma(d[c], per_direct, a) + fma(e[c], per_indirect, b) + emission;
-        store_first(valid ? filtered : passed, out + c * out_area + column, n);
+        store_first(valid ? filtered : passed, out + c * r.area + column, n);
       }
     }
   }

@@ -4,7 +4,6 @@
 
 // Exponents of weights are counted in float's own bits, from that of 1: 2^t has the exponent (t + 127) 2^23. Scales are
 // multiplied by 2^23 where they are divided, and cost nothing.
-#define EXPONENT_UNIT 8388608.0f
 
 // The number whose exponent is e <= OF_ONE. Relative error below 4e-6, and 3e-6 for each rounding of e; exactly 1 at
 // OF_ONE; below 2^-126 0 or denormal, which is the same to what comes after. The mantissa m in [1, 2) becomes 2^(m - 1)

@@ -136,36 +136,33 @@ INLINE void gather_row(Gathered* sums, global const float* p, global const float
 // k: what a distance of one pixel takes off a weight's exponent. output: RGB over [x0, x1) x [y0, y1).
 kernel void statmc_gather(WINDOW_INPUT, global const float* restrict strips, WINDOW_REGION, float k,
                           global float* restrict output) {
-  const int rows = y1 - y0;
-  StripRow s = strip_row(get_global_id(1), rows);
-  const int y = y0 + s.row, first = s.strip * STRIP, columns = min(STRIP, x1 - x0 - first);
-  const size_t area = (size_t)w * h, out_area = (size_t)(x1 - x0) * rows;
-  global float* out = output + (size_t)s.row * (x1 - x0) + first;
-  s.row += RADIUS;
-  global const float* centres = strips + strip_offset(s, rows + 2 * RADIUS) + PAD;
-  for (int begin = get_global_id(0) * VW; begin < columns; begin += get_global_size(0) * VW * SIDE) {
+  const WindowRow r = window_row(x0, y0, x1, y1);
+  global const float* centres = strips + r.strip;
+  global float* out = output + r.out;
+  const size_t area = (size_t)w * h;
+  for (int begin = get_global_id(0) * VW; begin < r.columns; begin += get_global_size(0) * VW * SIDE) {
     Gathered all[SIDE];
     const Gathered none = {0.0f, 0.0f, 0.0f, 0.0f};
     for (int v = 0; v < SIDE; ++v) all[v] = none;
 #pragma nounroll
     for (int j = -RADIUS; j <= RADIUS; ++j)
 #pragma nounroll
-      for (int v = 0; v < SIDE && begin + v * VW < columns; ++v) {
+      for (int v = 0; v < SIDE && begin + v * VW < r.columns; ++v) {
         global const float* p = centres + begin + v * VW;
         gather_row(&all[v], p, p + j * (PLANES * PITCH), half_width(j), OF_ONE - k * (float)(j * j), k);
       }
 #pragma nounroll
-    for (int v = 0; v < SIDE && begin + v * VW < columns; ++v) {
-      const int column = begin + v * VW, n = columns - column;
+    for (int v = 0; v < SIDE && begin + v * VW < r.columns; ++v) {
+      const int column = begin + v * VW, n = r.columns - column;
       global const float* p = centres + column;
       // p plus the mean difference, not the mean: a constant picture comes back bit for bit.
       const vf scale = 1.0f / all[v].sum;
       const vi valid = fetch(p) < (vf)INFINITY;
       const vf total[3] = {all[v].red, all[v].green, all[v].blue};
       for (int c = 0; c < 3; ++c) {
-        const vf raw = load_first(input + (IN_COLOR + c) * area + (size_t)y * w + x0 + first + column, n, 0.0f);
+        const vf raw = load_first(input + (IN_COLOR + c) * area + (size_t)r.y * w + x0 + r.first + column, n, 0.0f);
         const vf kept = fabs(raw) < (vf)INFINITY ? raw : (vf)0.0f;
-        store_first(valid ? fma(total[c], scale, fetch(p + (COLOR + c) * PITCH)) : kept, out + c * out_area + column, n);
+        store_first(valid ? fma(total[c], scale, fetch(p + (COLOR + c) * PITCH)) : kept, out + c * r.area + column, n);
       }
     }
   }

@@ -10,12 +10,9 @@
 // so that their weight is exactly 0, and 0 times it is 0.
 #define FAR 1e38f
 
-// Of an octave of weights' exponents, counted as in common.cl.
-#define UNIT 8388608.0f
-
 // The number whose exponent is e <= OF_ONE. Relative error below 9e-5 (and 4e-6 for each rounding of e); exactly 1 at
-// OF_ONE; exactly 0 at -infinity, no more than 2^-126 below UNIT. The mantissa m in [1, 2) becomes 2^(m - 1) by a
-// minimax polynomial of degree 3 that is 1 at 1 and stays in [1, 2) after rounding. A third of the cost of
+// OF_ONE; exactly 0 at -infinity, no more than 2^-126 below EXPONENT_UNIT. The mantissa m in [1, 2) becomes 2^(m - 1)
+// by a minimax polynomial of degree 3 that is 1 at 1 and stays in [1, 2) after rounding. A third of the cost of
 // exp2_of_negative, for windows with hundreds of weights a pixel.
 vf weight_of(vf e) {
   const vi bits = to_int(e > (vf)0.0f ? e : (vf)0.0f);
@@ -56,6 +53,26 @@ StripRow picture_row(int index, int columns) {
 
 // First float of plane 0 of row `row` (0: the first that is read) of a strip of `rows` rows.
 size_t strip_offset(StripRow s, int rows) { return ((size_t)s.strip * rows + s.row) * (PLANES * PITCH); }
+
+// What a work-item filters: one row of a strip.
+typedef struct {
+  int y, first, columns;    // its row of the outer region; its first column, seen from x0
+  size_t strip, out, area;  // its first pixel in plane 0 of the strips, in the output; a plane of the output
+} WindowRow;
+
+WindowRow window_row(WINDOW_REGION) {
+  const int rows = y1 - y0;
+  StripRow s = strip_row(get_global_id(1), rows);
+  WindowRow r;
+  r.y = y0 + s.row;
+  r.first = s.strip * STRIP;
+  r.columns = min(STRIP, x1 - x0 - r.first);
+  r.out = (size_t)s.row * (x1 - x0) + r.first;
+  r.area = (size_t)(x1 - x0) * rows;
+  s.row += RADIUS;
+  r.strip = strip_offset(s, rows + 2 * RADIUS) + PAD;
+  return r;
+}
 
 // VW floats of a row of w, of which those outside it are `rest`.
 vf load_within(global const float* row, int x, int w, float rest) {
