@@ -9,8 +9,35 @@
 // With a = alpha / k^2, D = W_p + W_q, r = 1 / D and n = (u_p - u_q)^2 + epsilon a + max(W_p, W_q) the quotient
 // is a (n r - W_p r - 1), and that of (q, p) a (n r - W_q r - 1). As W_p r + W_q r = 1, both follow from sums of
 // n r and of W_p r.
+//
+// First, down the columns of a tile, quotients are summed into tables in the cache; then, row by row, those across. The
+// two cases of `whole` are two programs.
 #define NLM_PLANES (2 * NLM_HALVES * NLM_CHANNELS + 1)  // of a tile's own copy; the last is `valid`
 #define NLM_MAPS (2 * NLM_HALVES)  // of each half: distance to the pixel at +o, distance of that one to this
+
+// Copies a plane; the rest of a row becomes 0.
+void nlm_copy(global const float* from, int stride, long origin, NlmTile t, int planes, global float* to) {
+  for (int y = -NLM_REACH; y < t.rows + NLM_REACH; ++y, to += planes * t.pitch) {
+    global const float* row = from + origin + (long)(t.y + y) * stride + t.x - NLM_REACH;
+    FOR_EACH_SHARED(i, t.pitch)
+      put(i < t.columns + 2 * NLM_REACH ? fetch(row + i) : (vf)0.0f, to + i);
+  }
+}
+
+// The last rows of what is summed down a column: themselves, and sums of the last NLM_PATCH.
+typedef struct {
+  vf rows[NLM_RING], sums[NLM_RING];
+} NlmRing;
+
+// Takes what row y has. The sum of the last 2 NLM_PATCH + 1 rows, of which there must have been as many.
+INLINE vf nlm_ring_sum(NlmRing* ring, int y, vf row) {
+  vf sum = row;
+#pragma unroll
+  for (int k = 1; k < NLM_PATCH; ++k) sum += ring->rows[(y - k) & (NLM_RING - 1)];
+  ring->rows[y & (NLM_RING - 1)] = row;
+  ring->sums[y & (NLM_RING - 1)] = sum;
+  return sum + ring->sums[(y - NLM_PATCH) & (NLM_RING - 1)] + ring->rows[(y - 2 * NLM_PATCH) & (NLM_RING - 1)];
+}
 
 // One reciprocal serves both halves: W is at most 1e18, so the product is finite.
 void nlm_reciprocals(const vf* d, vf* r) {
@@ -34,7 +61,7 @@ typedef struct {
 
 // quotients: for the pair (p, q) of each half the sum over the channels of quotients over a; then the same for
 // (q, p).
-NLM_INLINE void nlm_quotients(global const float* q, int pitch, NlmPixels p, float epsilon, vf* quotients) {
+INLINE void nlm_quotients(global const float* q, int pitch, NlmPixels p, float epsilon, vf* quotients) {
   vf n[NLM_HALVES], w[NLM_HALVES];
 #pragma unroll
   for (int h = 0; h < NLM_HALVES; ++h) {
@@ -68,7 +95,7 @@ NLM_INLINE void nlm_quotients(global const float* q, int pitch, NlmPixels p, flo
 // Down the vector of pixels at column `i` of the maps. sums: NLM_MAPS maps for each offset; then, of a tile
 // that is not `whole` (some pixel in reach is not valid), for each offset one that counts pairs of valid
 // pixels.
-NLM_INLINE void nlm_down(global const float* own, NlmTile t, int i, float epsilon, global float* sums,
+INLINE void nlm_down(global const float* own, NlmTile t, int i, float epsilon, global float* sums,
                          const int whole) {
   NlmRing rings[NLM_GROUP][NLM_MAPS + 1];
   const long map = (long)t.width * t.height, row = (long)NLM_PLANES * t.pitch;
@@ -123,7 +150,7 @@ vf nlm_exponent(vf sum, vf scale, float threshold) {
 // Adds what the offsets of the group give to the vector of pixels at (i, row) of the tile. acc: of each half
 // the sum of weights, then of each channel that of weighted differences. Where no weight of a vector is above
 // the threshold, nothing is added, which is as good as zeros.
-NLM_INLINE void nlm_gather(global const float* own, NlmTile t, int i, int row, NlmScales k, float lowered,
+INLINE void nlm_gather(global const float* own, NlmTile t, int i, int row, NlmScales k, float lowered,
                            global const float* sums, global float* acc, const int whole) {
   global const float* p = own + nlm_own(t, NLM_PLANES, i, row);
   const long map = (long)t.width * t.height, area = (long)t.columns * t.rows;
@@ -179,7 +206,7 @@ NLM_INLINE void nlm_gather(global const float* own, NlmTile t, int i, int row, N
 }
 
 // All offsets of one tile.
-NLM_INLINE void nlm_offsets(global const float* own, NlmTile t, NlmScales k, float lowered, global float* acc,
+INLINE void nlm_offsets(global const float* own, NlmTile t, NlmScales k, float lowered, global float* acc,
                          global float* sums, const int whole) {
   NLM_FOR_EACH_GROUP(t) {
     t = nlm_with_tables(t);

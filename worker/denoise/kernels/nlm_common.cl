@@ -2,15 +2,12 @@
 // What the kernels of non-local means share: how they go over a picture.
 //
 // A work-group takes tiles. Offsets go in pairs (o, -o), a few (NLM_GROUP) neighbours dx of one dy at a time.
-// First, down the columns of a tile, what is computed for pairs of pixels is summed over 2 NLM_PATCH + 1
-// rows, into tables in the cache; then, row by row, that is summed over as many columns, which completes the
-// patches. A pixel's sums have one order wherever it lies: its bits do not depend on the tile.
+// What is computed for pairs of pixels is summed over 2 NLM_PATCH + 1 rows, then over as many columns, which
+// completes the patches. A pixel's sums have one order wherever it lies: its bits do not depend on the tile.
 #define NLM_TAPS (2 * NLM_PATCH + 1)
 #define NLM_RING (NLM_PATCH < 4 ? 8 : 16)  // rows of quotients that are kept; a power of two
 #define NLM_FULL (NLM_TAPS * NLM_TAPS)
 
-// The two cases of `whole` are two programs.
-#define NLM_INLINE __attribute__((always_inline))
 #if VW == 1
 int nlm_any(vi lanes) { return lanes; }
 #else
@@ -67,15 +64,6 @@ long nlm_own(NlmTile t, int planes, int x, int y) {
 }
 long nlm_own_floats(NlmTile t, int planes) { return (long)(t.rows + 2 * NLM_REACH) * planes * t.pitch; }
 
-// Copies a plane; the rest of a row becomes 0.
-void nlm_copy(global const float* from, int stride, long origin, NlmTile t, int planes, global float* to) {
-  for (int y = -NLM_REACH; y < t.rows + NLM_REACH; ++y, to += planes * t.pitch) {
-    global const float* row = from + origin + (long)(t.y + y) * stride + t.x - NLM_REACH;
-    for (int i = get_local_id(0) * VW; i < t.pitch; i += get_local_size(0) * VW)
-      put(i < t.columns + 2 * NLM_REACH ? fetch(row + i) : (vf)0.0f, to + i);
-  }
-}
-
 NlmTile nlm_tile(Tile part) {
   NlmTile t;
   t.x = part.x;
@@ -101,21 +89,6 @@ long nlm_site(NlmTile t, int i, int row, int g, int back) {
 long nlm_step(NlmTile t, int planes, int g, int back) {
   const long step = (long)t.dy * planes * t.pitch + t.dx + g;
   return back ? -step : step;
-}
-
-// The last rows of what is summed down a column: themselves, and sums of the last NLM_PATCH.
-typedef struct {
-  vf rows[NLM_RING], sums[NLM_RING];
-} NlmRing;
-
-// Takes what row y has. The sum of the last 2 NLM_PATCH + 1 rows, of which there must have been as many.
-NLM_INLINE vf nlm_ring_sum(NlmRing* ring, int y, vf row) {
-  vf sum = row;
-#pragma unroll
-  for (int k = 1; k < NLM_PATCH; ++k) sum += ring->rows[(y - k) & (NLM_RING - 1)];
-  ring->rows[y & (NLM_RING - 1)] = row;
-  ring->sums[y & (NLM_RING - 1)] = sum;
-  return sum + ring->sums[(y - NLM_PATCH) & (NLM_RING - 1)] + ring->rows[(y - 2 * NLM_PATCH) & (NLM_RING - 1)];
 }
 
 // The sum of 2 NLM_PATCH + 1 neighbours in a row of a table.

@@ -32,7 +32,7 @@ NlmPrefilter nlm_prefilter_tables(NlmTile t, global float* memory) {
 }
 
 // The tile's own copy. Variances in the unit in which a squared difference over them is what it takes off an exponent.
-NLM_INLINE void nlm_prefilter_copy(global const float* valid, global const float* signal, int stride, long plane,
+INLINE void nlm_prefilter_copy(global const float* valid, global const float* signal, int stride, long plane,
                                    long origin, NlmTile t, global float* own, int whole) {
   for (int y = -NLM_REACH; y < t.rows + NLM_REACH; ++y) {
     const long row = origin + (long)(t.y + y) * stride + t.x - NLM_REACH;
@@ -42,7 +42,7 @@ NLM_INLINE void nlm_prefilter_copy(global const float* valid, global const float
       const vf u = inside ? fetch(signal + row + i) : (vf)0.0f;
       const vf v = inside ? fetch(signal + plane + row + i) : (vf)1.0f;
       put(u + (inside ? fetch(valid + row + i) : (vf)0.0f), to + i);
-      put(v * (1 / (LOG2_E * 8388608.0f)), to + NLM_PREFILTER_V * t.pitch + i);
+      put(v * (1 / (LOG2_E * EXPONENT_UNIT)), to + NLM_PREFILTER_V * t.pitch + i);
       put(u, to + NLM_PREFILTER_FINITE * t.pitch + i);
       // Where windows' pixels have all their patch in the copy.
       vf broken = 0.0f;
@@ -56,7 +56,7 @@ NLM_INLINE void nlm_prefilter_copy(global const float* valid, global const float
 }
 
 // Takes what a row has at one column into the map's ring. The sum of the last 2 NLM_PATCH + 1 rows.
-NLM_INLINE vf nlm_prefilter_ring_sum(global float* ring, int width, int y, vf row) {
+INLINE vf nlm_prefilter_ring_sum(global float* ring, int width, int y, vf row) {
   const int sums = NLM_RING * width;
 #define NLM_ROW(k) (((y - (k)) & (NLM_RING - 1)) * width)
   const vf two = row + fetch(ring + NLM_ROW(1));
@@ -69,7 +69,7 @@ NLM_INLINE vf nlm_prefilter_ring_sum(global float* ring, int width, int y, vf ro
 }
 
 // Row y of the tables: the pairs of its pixels, and their sums down the columns.
-NLM_INLINE void nlm_prefilter_pairs(global const float* own, NlmTile t, int y, NlmPrefilter f) {
+INLINE void nlm_prefilter_pairs(global const float* own, NlmTile t, int y, NlmPrefilter f) {
   global const float* first = own + nlm_own(t, NLM_PREFILTER_PLANES, t.left, y);
   FOR_EACH_SHARED(i, t.width) {
     global const float* p = first + i;
@@ -105,7 +105,7 @@ vf nlm_prefilter_share(global const float* p, global const float* q, int pitch) 
 
 // The row of weights that the sums over columns complete: that of row y. They count NLM_FULL times. `whole`: no pixel
 // in the tile's reach is broken.
-NLM_INLINE void nlm_prefilter_weights(global const float* own, NlmTile t, int y, NlmPrefilter f, int whole) {
+INLINE void nlm_prefilter_weights(global const float* own, NlmTile t, int y, NlmPrefilter f, int whole) {
   global const float* first = own + nlm_own(t, NLM_PREFILTER_PLANES, t.left, y);
   for (int g = 0; g < t.offsets; ++g) {
     global float* to = f.weights + ((long)g * t.height + y - t.above) * t.width;
@@ -124,7 +124,7 @@ NLM_INLINE void nlm_prefilter_weights(global const float* own, NlmTile t, int y,
 
 // Adds what the offsets of the group give to a row of the tile. acc: the sum of weights, then that of weighted
 // differences.
-NLM_INLINE void nlm_prefilter_gather(global const float* own, NlmTile t, int row, NlmPrefilter f, global float* acc) {
+INLINE void nlm_prefilter_gather(global const float* own, NlmTile t, int row, NlmPrefilter f, global float* acc) {
   global const float* first = own + nlm_own(t, NLM_PREFILTER_PLANES, 0, row) + NLM_PREFILTER_FINITE * t.pitch;
   const long area = (long)t.columns * t.rows;
   FOR_EACH_SHARED(i, t.columns) {
@@ -146,7 +146,7 @@ NLM_INLINE void nlm_prefilter_gather(global const float* own, NlmTile t, int row
 }
 
 // All offsets of one tile.
-NLM_INLINE void nlm_prefilter_tile(global const float* own, NlmTile t, global float* acc, global float* memory,
+INLINE void nlm_prefilter_tile(global const float* own, NlmTile t, global float* acc, global float* memory,
                                    int whole) {
   NLM_FOR_EACH_GROUP(t) {
     t = nlm_with_tables(t);
