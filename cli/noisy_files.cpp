@@ -48,7 +48,7 @@ ExrImage delivered(const ExrImage& picture, const Image& rgb, const FilterPlan& 
   for (const char* key : {"tessera/error", "tessera/relmse", "tessera/relmse_upper"}) out.metadata.erase(key);
   out.metadata["tessera/filter"] = to_string(plan);
   out.metadata["tessera/version"] = std::string(kVersion);
-  std::vector<float> data;
+  Floats data;
   out.channels.clear();
   for (std::size_t p = 0; p < picture.channels.size(); ++p) {
     const std::string& name = picture.channels[p].name;

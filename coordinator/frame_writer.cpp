@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 // The picture, with its coverage where the scene stands before nothing.
 Image preview(const ExrImage& exr, bool transparent) {
-  std::vector<float> data;
+  Floats data;
   for (const char* channel : {"R", "G", "B", "A"}) {
     if (*channel == 'A' && !transparent) continue;
     const auto plane = exr.pixels.plane(exr.plane(channel));

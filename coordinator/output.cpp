@@ -50,7 +50,7 @@ class Layers {
  private:
   Region region_;
   ExrImage exr_;
-  std::vector<float> data_;
+  Floats data_;
 };
 
 Image sum_of_halves(const Image& sums, int plane_a) {
@@ -95,30 +95,29 @@ bool fits_half(Aov a, Statistic statistic) {
   return statistic == Statistic::mean && (letters == "RGB" || a == Aov::normal || a == Aov::bounce);
 }
 
-// One plane under the name that core/layers.h gives it, or in a layer of another name.
-void add_channel(Layers& layers, const FrameImage& frame, const Channel& c, Part part,
-                 std::string_view name = "") {
-  const Image image = developed(frame.sums, frame.layout, std::array{c}, part);
-  std::string channel = file_channel(c);
-  if (!name.empty()) channel = fmt::format("{}.{}", name, channel_name(c.aov, c.index));
-  layers.add(channel, image.plane(0), fits_half(c.aov, c.statistic));
+// Each under the name that core/layers.h gives it, or in a layer of another name.
+void add_channels(Layers& layers, const FrameImage& frame, std::span<const Channel> channels,
+                  std::string_view name = "") {
+  const Image image = developed(frame.sums, frame.layout, channels, Part::all);
+  for (int p = 0; const Channel& c : channels) {
+    const std::string channel =
+        name.empty() ? file_channel(c) : fmt::format("{}.{}", name, channel_name(c.aov, c.index));
+    layers.add(channel, image.plane(p++), fits_half(c.aov, c.statistic));
+  }
 }
 
 void add_guide(Layers& layers, const FrameImage& frame, Aov a, const std::string& name) {
   if (info(a).reduction == Reduction::per_sample) {
     for (const Share half : {Share::a, Share::b})
-      for (const Channel& c : channels_of(a, Statistic::mean, half)) add_channel(layers, frame, c, Part::all);
+      add_channels(layers, frame, channels_of(a, Statistic::mean, half));
     return;
   }
   const bool own_name = name != info(a).name;  // a light group's
-  for (const Channel& c : channels_of(a)) add_channel(layers, frame, c, Part::all, own_name ? name : "");
+  add_channels(layers, frame, channels_of(a), own_name ? name : "");
   const int moments = frame.layout.moments(a);
   const bool known = a == Aov::direct || a == Aov::indirect;  // their squares serve the filters alone
-  if (moments >= 2 && !known)
-    for (const Channel& c : channels_of(a, Statistic::variance_of_mean))
-      add_channel(layers, frame, c, Part::all);
-  if (moments >= 3)
-    for (const Channel& c : channels_of(a, Statistic::third_moment)) add_channel(layers, frame, c, Part::all);
+  if (moments >= 2 && !known) add_channels(layers, frame, channels_of(a, Statistic::variance_of_mean));
+  if (moments >= 3) add_channels(layers, frame, channels_of(a, Statistic::third_moment));
 }
 
 void add_guides(Layers& layers, const FrameImage& frame, const Provenance& from) {

@@ -25,7 +25,7 @@ std::array<int, kSeenPlanes> seen_planes(const FilmLayout& layout) {
 }
 
 Image picked(const Image& image, const Region& region, std::span<const int> planes) {
-  Image out(region, static_cast<int>(planes.size()));
+  Image out = Image::unset(region, static_cast<int>(planes.size()));
   for (std::size_t p = 0; p < planes.size(); ++p)
     for (int y = region.y0; y < region.y1; ++y) {
       const auto from = image.row(planes[p], y).subspan(region.x0 - image.region().x0, region.width());
@@ -36,7 +36,7 @@ Image picked(const Image& image, const Region& region, std::span<const int> plan
 
 // The mean of the samples of one half that came between two snapshots of seen_planes().
 Image mean_of_new(const Image& before, const Image& now, Half half) {
-  Image mean(now.region(), 3);
+  Image mean = Image::unset(now.region(), 3);
   const int h = static_cast<int>(half);
   for (std::size_t i = 0; i < mean.plane(0).size(); ++i) {
     const float n = now.plane(h)[i] - before.plane(h)[i];

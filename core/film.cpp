@@ -89,7 +89,7 @@ Part part_of(Share share, Part part) {
 class Developer {
  public:
   Developer(const Image& sums, const FilmLayout& layout) : sums_(sums), layout_(layout) {
-    for (std::vector<float>* v : {&count_, &hits_, &sum_, &square_, &cube_})
+    for (Floats* v : {&count_, &hits_, &sum_, &square_, &cube_})
       v->resize(static_cast<std::size_t>(sums.region().area()));
   }
 
@@ -116,7 +116,7 @@ class Developer {
     take(sums_, FilmLayout::hits(Half::a), part, hits_);
     counted_ = part;
   }
-  void power(const Channel& c, int n, Part part, std::vector<float>& to) {
+  void power(const Channel& c, int n, Part part, Floats& to) {
     take(sums_, layout_.sum(c.aov, c.index, Half::a, n), part, to);
   }
   void statistic(const Channel& c, Part part, std::span<float> to) {
@@ -136,13 +136,13 @@ class Developer {
   const Image& sums_;
   const FilmLayout& layout_;
   std::optional<Part> counted_;  // what count_ and hits_ hold
-  std::vector<float> count_, hits_, sum_, square_, cube_;
+  Floats count_, hits_, sum_, square_, cube_;
 };
 
 }  // namespace
 
 Image developed(const Image& sums, const FilmLayout& layout, std::span<const Channel> channels, Part part) {
-  Image out(sums.region(), static_cast<int>(channels.size()));
+  Image out = Image::unset(sums.region(), static_cast<int>(channels.size()));
   Developer developer(sums, layout);
   for (std::size_t k = 0; k < channels.size(); ++k)
     developer.develop(channels[k], part_of(channels[k].share, part), out.plane(static_cast<int>(k)));
@@ -150,7 +150,7 @@ Image developed(const Image& sums, const FilmLayout& layout, std::span<const Cha
 }
 
 Image matte(const Image& sums, const FilmLayout& layout, Aov aov) {
-  Image out(sums.region(), 2 * kMatteRanks);
+  Image out = Image::unset(sums.region(), 2 * kMatteRanks);
   const std::size_t area = sums.plane(0).size();
   for (std::size_t i = 0; i < area; ++i) {
     const auto list = [&](Half h) {

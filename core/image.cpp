@@ -7,9 +7,15 @@
 
 namespace tessera {
 
-Image::Image(const Region& region, int planes, std::vector<float> data)
+Image::Image(const Region& region, int planes, Floats data)
     : region_(region), planes_(planes), data_(std::move(data)) {
   assert(data_.size() == static_cast<std::size_t>(region.area()) * planes);
+}
+
+Image Image::unset(const Region& region, int planes) {
+  Image image;
+  image.reshape(region, planes);
+  return image;
 }
 
 void Image::reshape(const Region& region, int planes) {
@@ -31,14 +37,14 @@ void paste(Image& target, const Image& source) {
 
 Image cropped(const Image& image, const Region& region) {
   assert(image.region().contains(region));
-  Image part(region, image.planes());
+  Image part = Image::unset(region, image.planes());
   paste(part, image);
   return part;
 }
 
 Image planes_of(const Image& image, int first, int count) {
   assert(first >= 0 && count >= 0 && first + count <= image.planes());
-  Image part(image.region(), count);
+  Image part = Image::unset(image.region(), count);
   const auto from = image.data().subspan(static_cast<std::size_t>(image.region().area()) * first);
   std::copy_n(from.begin(), part.data().size(), part.data().begin());
   return part;

@@ -4,8 +4,8 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
+#include "core/floats.h"
 #include "core/region.h"
 
 namespace tessera {
@@ -16,7 +16,9 @@ class Image {
   Image(const Region& region, int planes, float value = 0.0f)
       : region_(region), planes_(planes), data_(static_cast<std::size_t>(region.area()) * planes, value) {}
   // Takes `data` of exactly planes * area floats, plane after plane.
-  Image(const Region& region, int planes, std::vector<float> data);
+  Image(const Region& region, int planes, Floats data);
+  // Its pixels are anything: for who writes all of them.
+  static Image unset(const Region& region, int planes);
 
   const Region& region() const { return region_; }
   int planes() const { return planes_; }
@@ -36,7 +38,7 @@ class Image {
 
   std::span<float> data() { return data_; }
   std::span<const float> data() const { return data_; }
-  std::vector<float> release() && { return std::move(data_); }
+  Floats release() && { return std::move(data_); }
 
   bool operator==(const Image&) const = default;  // by value: -0 equals 0, NaN differs; tests compare bits
 
@@ -49,7 +51,7 @@ class Image {
 
   Region region_;
   int planes_ = 0;
-  std::vector<float> data_;
+  Floats data_;
 };
 
 // The part of `image` in `region`, which must lie inside it.

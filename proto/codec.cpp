@@ -19,7 +19,7 @@ using Parts = std::span<const std::span<const std::byte>>;
 // Each overload writes one message and moves its pixels out.
 struct Encoder {
   wire::Envelope& out;
-  std::vector<float>& pixels;
+  Floats& pixels;
 
   void operator()(Hello& m) {
     wire::Hello& w = *out.mutable_hello();
@@ -216,9 +216,7 @@ Packet encode(Message message) {
   return packet;
 }
 
-std::span<const std::byte> bytes_of(const std::vector<float>& pixels) {
-  return std::as_bytes(std::span(pixels));
-}
+std::span<const std::byte> bytes_of(const Floats& pixels) { return std::as_bytes(std::span(pixels)); }
 
 Message decode(Parts parts) {
   require(!parts.empty() && parts.size() <= kMaxParts, "parts", "neither one nor two");

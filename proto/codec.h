@@ -17,8 +17,8 @@ namespace tessera {
 
 // A message as it travels: one part, and a second one if there are pixels.
 struct Packet {
-  std::string header;         // serialised wire::Envelope
-  std::vector<float> pixels;  // plane after plane, row-major; little-endian on the wire
+  std::string header;  // serialised wire::Envelope
+  Floats pixels;       // plane after plane, row-major; little-endian on the wire
   bool operator==(const Packet&) const = default;
 };
 
@@ -43,7 +43,7 @@ class ProtocolError : public Error {
 Packet encode(Message message);
 
 // The bytes of a packet's second part.
-std::span<const std::byte> bytes_of(const std::vector<float>& pixels);
+std::span<const std::byte> bytes_of(const Floats& pixels);
 
 // Throws ProtocolError unless `parts` are one whole valid message. Pixels are copied (they may lie at any
 // address); their values are not looked at.

@@ -123,9 +123,9 @@ void shape_to_wire(const Image& image, wire::Planes& w) {
   w.set_planes(image.planes());
 }
 
-void to_wire(Image&& image, wire::Planes& w, std::vector<float>& pixels) {
+void to_wire(Image&& image, wire::Planes& w, Floats& pixels) {
   shape_to_wire(image, w);
-  std::vector<float> more = std::move(image).release();
+  Floats more = std::move(image).release();
   if (pixels.empty())
     pixels = std::move(more);
   else
@@ -205,7 +205,7 @@ std::size_t bytes_of(const wire::Planes& w, std::string_view field) {
 
 Image image_from(const wire::Planes& w, std::span<const std::byte> bytes, std::string_view field) {
   require(bytes.size() == bytes_of(w, field), field, "its pixels have the wrong size");
-  std::vector<float> data(bytes.size() / sizeof(float));
+  Floats data(bytes.size() / sizeof(float));
   std::memcpy(data.data(), bytes.data(), bytes.size());
   return Image(region_from(w.region(), field), w.planes(), std::move(data));
 }

@@ -23,7 +23,7 @@ void to_wire(const Job&, wire::Job&);
 // Region and number of planes.
 void shape_to_wire(const Image&, wire::Planes&);
 // Moves the image's floats to the end of `pixels`.
-void to_wire(Image&&, wire::Planes&, std::vector<float>& pixels);
+void to_wire(Image&&, wire::Planes&, Floats& pixels);
 
 std::string text_from(const std::string&, std::size_t most, std::string_view field);
 int whole_from(std::int64_t value, int low, int high, std::string_view field);

@@ -34,11 +34,11 @@ bool is_loopback(std::string_view endpoint) {
 namespace {
 
 // The floats themselves become the message; ZeroMQ frees them when they have left.
-zmq::message_t part_of(std::vector<float>&& pixels) {
-  auto owner = std::make_unique<std::vector<float>>(std::move(pixels));
+zmq::message_t part_of(Floats&& pixels) {
+  auto owner = std::make_unique<Floats>(std::move(pixels));
   const auto release = [](void*, void* hint) {
     tell_sanitizer_of_handover(false);
-    std::unique_ptr<std::vector<float>>(static_cast<std::vector<float>*>(hint));
+    std::unique_ptr<Floats>(static_cast<Floats*>(hint));
   };
   void* data = owner->data();
   const std::size_t bytes = owner->size() * sizeof(float);
@@ -62,7 +62,8 @@ ZmqSocket::ZmqSocket(ZmqContext& context, zmq::socket_type type, const ZmqOption
   look_for_life(router, options.dead);
 }
 
-// A router leaves it to its many peers to ask for a sign of life, and to its kernel to find those that are gone.
+// A router leaves it to its many peers to ask for a sign of life, and to its kernel to find those that are
+// gone.
 void ZmqSocket::look_for_life(bool router, Millis dead) {
   const int ms = static_cast<int>(dead.count()), seconds = std::max(4, ms / 1000);
   if (!router) {

@@ -50,7 +50,7 @@ constexpr const char* kLayers[] = {"", "variance.", "a.", "b."};
 ExrImage file_of(const Reference& r) {
   ExrImage file;
   file.display = r.mean.region();
-  std::vector<float> data;
+  Floats data;
   for (const Image* image : {&r.mean, &r.variance, &r.a, &r.b})
     data.insert(data.end(), image->data().begin(), image->data().end());
   for (const char* layer : kLayers)

@@ -18,7 +18,7 @@
 namespace tessera {
 namespace {
 
-using Plane = std::vector<float>;
+using Plane = Floats;
 
 class Gatherer {
  public:
