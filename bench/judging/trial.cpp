@@ -17,22 +17,23 @@ namespace {
 constexpr std::uint64_t kTrialSeed = 1, kReferenceSeed = 0x5eed;
 constexpr int kLargestTask = 64;  // samples: bounds what a cell's block holds before it is folded
 
-// Renders [samples) of the whole frame on all processors, cell by cell.
+// Renders [samples) of the whole frame on all processors, of small frames too: cell by cell, part by part.
 void render_into(Film& film, const RenderScene& scene, const RenderSettings& settings, int number,
                  SampleRange samples) {
   const std::vector<Region> cells = grid_cells(film.region(), {kCellEdge, kCellEdge});
-  std::atomic<std::size_t> next = 0;
+  const int parts = (samples.count() + kLargestTask - 1) / kLargestTask;
+  std::atomic<int> next = 0;
   std::mutex folding;
   std::vector<std::jthread> team;
   for (unsigned t = 0; t < std::thread::hardware_concurrency(); ++t)
     team.emplace_back([&] {
-      for (std::size_t i; (i = next++) < cells.size();)
-        for (int begin = samples.begin; begin < samples.end; begin += kLargestTask) {
-          Block block =
-              render(scene, settings, number, cells[i], {begin, std::min(samples.end, begin + kLargestTask)});
-          const std::lock_guard lock(folding);
-          film.fold(std::move(block));
-        }
+      for (int i; (i = next++) < parts * static_cast<int>(cells.size());) {
+        const int begin = samples.begin + i % parts * kLargestTask;
+        Block block = render(scene, settings, number, cells[static_cast<std::size_t>(i / parts)],
+                             {begin, std::min(samples.end, begin + kLargestTask)});
+        const std::lock_guard lock(folding);
+        film.fold(std::move(block));
+      }
     });
 }
 

@@ -299,7 +299,7 @@ TEST_F(Histories, FollowWhatMovesByWholePixelsBitForBit) {
     const auto shown = [&](const Region& r) {
       return Image({0, 0, 60, 50}, scene.planes(), [&] {
         const Image part = cropped(scene, r);
-        return std::vector<float>(part.data().begin(), part.data().end());
+        return Floats(part.data().begin(), part.data().end());
       }());
     };
     const Image history = kept(plan, filtered_and_kept(plan, shown(first)));

@@ -79,7 +79,7 @@ TEST_F(RhfScales, LieInTheGlobalGrid) {
   const auto moved = [&](const FilterPlan& plan, int x, int y) {
     const Image input = made_up_input(plan, {0, 0, 48, 40}, "noise");
     const Image there({x, y, x + 48, y + 40}, input.planes(),
-                      std::vector<float>(input.data().begin(), input.data().end()));
+                      Floats(input.data().begin(), input.data().end()));
     return filtered(plan, there);
   };
   const auto same = [](const Image& a, const Image& b) { return std::ranges::equal(a.data(), b.data()); };
