@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kPeers = 8;
 
-double seconds_since(Instant begin) { return std::chrono::duration<double>(clock_now() - begin).count(); }
+double seconds_since(Instant begin) { return seconds_between(begin, clock_now()); }
 
 struct Farm {
   explicit Farm(bool closed) {

@@ -25,8 +25,7 @@ Spent spent_on(const std::function<void()>& work) {
   const Instant begun = clock_now();
   const std::clock_t worked = std::clock();
   work();
-  return {std::chrono::duration<double>(clock_now() - begun).count(),
-          static_cast<double>(std::clock() - worked) / CLOCKS_PER_SEC};
+  return {seconds_between(begun, clock_now()), static_cast<double>(std::clock() - worked) / CLOCKS_PER_SEC};
 }
 
 void row(const std::string& what, double count, double bytes, const Spent& spent) {

@@ -181,7 +181,7 @@ bool Scheduler::may_answer(const Task& task, const WorkerId& id, const Worker* s
 void Scheduler::learn(Worker& worker, const Task& task, double seconds) {
   const auto lease = std::ranges::find(task.leases, &worker, &book::Lease::worker);
   if (lease == task.leases.end() || !(seconds > 0)) return;
-  const double passed = std::chrono::duration<double>(now_ - lease->given).count();
+  const double passed = seconds_between(lease->given, now_);
   const double sane = std::min(seconds, passed);
   if (sane <= 0) return;
   smooth(worker.rate[task.filter], sane / task.cost);

@@ -10,4 +10,8 @@ using Millis = std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 using Instant = std::chrono::time_point<Clock, std::chrono::microseconds>;
 
+inline double seconds_between(Instant from, Instant to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
 }  // namespace tessera

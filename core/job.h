@@ -69,7 +69,7 @@ struct Job {
   FilterPlan filter;
   AcceptanceRule acceptance;
   Size tile{256, 256};         // inner size of the tiles in which the frame is filtered
-  int task_samples = 1 << 18;  // pixel samples a render task holds at most, if a leaf allows
+  int task_samples = 1 << 18;  // pixel samples a render task holds (plan.h), if a leaf allows
 
   Region region() const { return crop.value_or(Region{0, 0, render.size.width, render.size.height}); }
   bool operator==(const Job&) const = default;

@@ -5,6 +5,22 @@
 #include <cassert>
 
 namespace tessera {
+namespace {
+
+constexpr std::int64_t kManyTasks = 256;  // of a round: as many as keep the workers of a farm busy to its end
+constexpr int kGrowth = 4;
+
+// Pixel samples of a task. A block is as large for 8 samples as for 4096, so what a round of many costs to
+// send, keep and add up falls with the size of its tasks.
+std::int64_t task_samples(const Job& job, const std::vector<Region>& cells, const std::vector<int>& have,
+                          const std::vector<int>& want) {
+  std::int64_t round = 0;
+  for (std::size_t i = 0; i < cells.size(); ++i) round += cells[i].area() * (want[i] - have[i]);
+  const std::int64_t least = job.task_samples;
+  return std::clamp(round / kManyTasks, least, kGrowth * least);
+}
+
+}  // namespace
 
 AovSet film_aovs(const Job& job) { return job.render.aovs | AovSet{Aov::color} | filter_aovs(job); }
 
@@ -26,11 +42,11 @@ std::vector<RenderTask> plan_render(const Job& job, const std::vector<int>& have
                                     const std::vector<int>& want) {
   const std::vector<Region> cells = plan_cells(job);
   assert(have.size() == cells.size() && want.size() == cells.size());
+  const std::int64_t size = task_samples(job, cells, have, want);
   std::vector<RenderTask> tasks;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     for (const Region& piece : grid_cells(cells[i], job.tile)) {
-      const int most =
-          static_cast<int>(std::max<std::int64_t>(kLeafSamples, job.task_samples / piece.area()));
+      const int most = static_cast<int>(std::max<std::int64_t>(kLeafSamples, size / piece.area()));
       // One doubling at a time, so that every block is a node of the film's tree.
       for (int n = have[i]; n < want[i];) {
         const int next = n == 0 ? want[i] : 2 * n;

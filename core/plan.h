@@ -30,7 +30,7 @@ std::vector<Region> plan_cells(const Job&);
 
 // The render tasks that bring each cell i from `have[i]` to `want[i]` samples (have == want: none). Pieces
 // are the intersections of cells and tiles, cut to dyadic sample ranges of at most job.task_samples pixel
-// samples.
+// samples, or up to four times that if the round then still has 256 tasks.
 std::vector<RenderTask> plan_render(const Job&, const std::vector<int>& have, const std::vector<int>& want);
 
 }  // namespace tessera

@@ -7,7 +7,7 @@ namespace tessera {
 
 bool RateMeter::admit(const RateLimit& limit, std::size_t bytes, Instant now) {
   if (now < deaf_until_) return false;
-  const double seconds = std::chrono::duration<double>(now - last_).count();
+  const double seconds = seconds_between(last_, now);
   last_ = now;
   messages_ = std::max(0.0, messages_ - seconds * limit.messages);
   bytes_ = std::max(0.0, bytes_ - seconds * limit.bytes);

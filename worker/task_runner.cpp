@@ -61,7 +61,7 @@ class StandardRunner : public TaskRunner {
     else
       done.filtered = filter_task(use.device(), job.filter, input.film, FilmLayout(filter_aovs(job)),
                                   work.tile, job.region(), input.history);
-    use.done(std::chrono::duration<double>(clock_now() - begin).count());
+    use.done(seconds_between(begin, clock_now()));
     return done;
   }
 

@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # Farms of real processes on this machine: how long a job takes on two workers of one core each against one, what
 # share of the processor's time the coordinator has, and what lies between submitting a small job and its image.
-# usage: bench/farm/processes.sh BUILD_FOLDER [SCENE [PAIRS]]     SCENE: another one besides those of scenes/
+# usage: bench/farm/processes.sh BUILD_FOLDER [SCENE [PAIRS [SAMPLES]]]     SCENE: another one besides those of scenes/
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 tessera=$PWD/$1/cli/tessera latency=$PWD/$1/bench/farm/latency_bench
-scene=${2:-} pairs=${3:-3}
+scene=${2:-} pairs=${3:-3} samples=${4:-64}
 work=$(mktemp -d)
 started=()
 end() { for pid in "${started[@]}"; do kill "$pid" 2>/dev/null || true; done; wait; rm -rf "$work"; }
@@ -60,10 +60,10 @@ scaling() {
 echo "load $(cut -d' ' -f1-3 /proc/loadavg), steal so far $(steal) ticks"
 farm one; worker one alone 0 1; one=("${started[-1]}")
 farm two; two_centre=$coordinator; worker two left 0 1; two=("${started[-1]}"); worker two right 1 1; two+=("${started[-1]}")
-scaling 'cornell, 60 tiles of 64x64, 64 samples; goals: ratio 1.9, coordinator at most 2 %' \
-  scenes/cornell.json --width 640 --height 384 --tile-size 64 --samples 64
+scaling "cornell, 60 tiles of 128x128, $samples samples; goals: ratio 1.9, coordinator at most 2 %" \
+  scenes/cornell.json --width 1280 --height 768 --tile-size 128 --samples "$samples"
 if [ -n "$scene" ]; then
-  scaling "$(basename "$scene"), 960x540, 64 samples" "$scene" --width 960 --height 540 --samples 64
+  scaling "$(basename "$scene"), 960x540, $samples samples" "$scene" --width 960 --height 540 --samples "$samples"
 else
   echo 'no other scene: name one to have it measured'
 fi

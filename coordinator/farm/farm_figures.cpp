@@ -9,8 +9,6 @@ namespace {
 
 constexpr Millis kPublication{1000}, kOfLate{10'000};
 
-double seconds_between(Instant from, Instant to) { return std::chrono::duration<double>(to - from).count(); }
-
 }  // namespace
 
 void Farm::publish(Instant now) {

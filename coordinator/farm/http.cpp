@@ -61,8 +61,7 @@ FigureBoard::Posted FigureBoard::last() const {
 std::string health_trouble(const FigureBoard::Posted& last, Instant now) {
   if (!last.figures) return "the coordinator has not begun yet";
   if (now - last.when > kStuck)
-    return fmt::format("the coordinator's loop has not turned for {:.0f} s",
-                       std::chrono::duration<double>(now - last.when).count());
+    return fmt::format("the coordinator's loop has not turned for {:.0f} s", seconds_between(last.when, now));
   return last.figures->trouble;
 }
 

@@ -47,6 +47,19 @@ TEST(Plan, EveryMissingSampleOfEveryPixelIsPlannedExactlyOnce) {
     }
 }
 
+TEST(Plan, TasksOfARoundOfManySamplesAreLarger) {
+  const auto tasks = [](int samples) {
+    const Job job = job_of({640, 640}, {64, 64}, 1 << 18);
+    return plan_render(job, std::vector<int>(100, 0), std::vector<int>(100, samples));
+  };
+  for (const auto& [samples, of_each] :
+       {std::pair{64, 64}, {128, 64}, {256, 64}, {512, 128}, {1024, 256}, {8192, 256}}) {
+    const auto planned = tasks(samples);
+    EXPECT_EQ(planned.size(), 100u * samples / of_each) << samples;
+    for (const RenderTask& task : planned) EXPECT_EQ(task.samples.count(), of_each) << samples;
+  }
+}
+
 TEST(Plan, ACropIsPlannedOnTheFramesOwnGrid) {
   Job job = job_of({200, 200}, {64, 64}, 1 << 20);
   job.crop = Region{50, 60, 70, 70};

@@ -37,7 +37,7 @@ void run(Stage& s) {
           chunks.rows(), chunks.scratch());
   }
   s.run("finish", s.inner(), 1, s.input(), s.outer().width(), s.outer().height(), base, candidates,
-        s.layout(), Exactly{s.inner()}, s.output(), taken == 0 ? 0 : 3 * (taken - 1));
+        taken == 0 ? 0 : 3 * (taken - 1), s.layout(), Exactly{s.inner()}, s.output());
 }
 
 std::string options(const FilterPlan&) {

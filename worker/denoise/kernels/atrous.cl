@@ -95,8 +95,8 @@ kernel void finish(global const float* restrict input, int w, int h, global cons
       const vf emission = load_first(in + (IN_EMISSION + c) * area, n, 0.0f);
       const vf albedo = load_first(in + (IN_ALBEDO + c) * area, n, 0.0f);
       const vf filtered = load(signal + c * plane + p) * albedo_floored(albedo) + emission;
-      const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
-      store_first(valid ? filtered : kept, output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), n);
+      store_first(filtered_or_kept(valid, filtered, color),
+                  output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), n);
     }
   }
 }

@@ -85,8 +85,8 @@ kernel void bilateral(WINDOW_INPUT, global const float* restrict strips, WINDOW_
     for (int c = 0; c < 3; ++c) {
       const int x = x0 + r.first + column;
       const vf color = load_first(input + (IN_COLOR + c) * area + (size_t)r.y * w + x, r.columns - column, 0.0f);
-      const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
-      store_first(valid ? fma(difference[c], scale, color) : kept, out + c * r.area + column, r.columns - column);
+      store_first(filtered_or_kept(valid, fma(difference[c], scale, color), color), out + c * r.area + column,
+                  r.columns - column);
     }
   }
 }

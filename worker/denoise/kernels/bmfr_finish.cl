@@ -61,9 +61,9 @@ kernel void finish(global const float* restrict input, int w, int h, global cons
 #endif
 #pragma unroll
       for (int c = 0; c < 3; ++c) {
-        const vf color = in[IN_COLOR + c], kept_color = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
         const vf lit = light[c] * albedo_floored(in[IN_ALBEDO + c]) + in[IN_EMISSION + c];
-        store_first(s.valid ? lit : kept_color, picture + c * picture_area + (size_t)row * (x1 - x0) + (x - x0), end - x);
+        store_first(filtered_or_kept(s.valid, lit, in[IN_COLOR + c]),
+                    picture + c * picture_area + (size_t)row * (x1 - x0) + (x - x0), end - x);
       }
     }
   }

@@ -119,6 +119,12 @@ void store_first(vf v, global float* p, int n) {
   for (int k = 0; k < n; ++k) p[k] = lanes[k];
 }
 
+// What comes of pixels that are not valid: they keep their colour, or are 0 if that is no number.
+INLINE vf filtered_or_kept(vi valid, vf filtered, vf color) {
+  const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
+  return valid ? filtered : kept;
+}
+
 // Illumination: what is left of a colour when the surface's albedo is divided out. The floor keeps black surfaces
 // finite; the same one is used on the way back.
 vf albedo_floored(vf albedo) { return albedo > (vf)1e-3f ? albedo : (vf)1e-3f; }

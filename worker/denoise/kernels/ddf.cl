@@ -205,9 +205,8 @@ kernel void ddf(WINDOW_INPUT, global const float* restrict strips, WINDOW_REGION
       for (int c = 0; c < 3; ++c) {
         const vf a = load_first(in + (IN_DIRECT + c) * area, n, 0.0f), b = load_first(in + (IN_INDIRECT + c) * area, n, 0.0f);
         const vf emission = load_first(in + (IN_EMISSION + c) * area, n, 0.0f);
-        const vf color = a + b + emission, passed = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
         const vf filtered = fma(d[c], per_direct, a) + fma(e[c], per_indirect, b) + emission;
-        store_first(valid ? filtered : passed, out + c * r.area + column, n);
+        store_first(filtered_or_kept(valid, filtered, a + b + emission), out + c * r.area + column, n);
       }
     }
   }

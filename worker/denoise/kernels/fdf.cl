@@ -121,8 +121,7 @@ kernel void finish(global const float* restrict input, int w, int h, global cons
     const vi is_valid = fetch(valid + p) < (vf)INFINITY;
     for (int c = 0; c < 3; ++c) {
       const vf color = load_first(input + (IN_COLOR + c) * area + (size_t)y * w + x, n, 0.0f);
-      const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
-      store_first(is_valid ? fetch(filtered + c * plane + p) : kept,
+      store_first(filtered_or_kept(is_valid, fetch(filtered + c * plane + p), color),
                   output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), n);
     }
   }

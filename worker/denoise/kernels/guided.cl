@@ -218,10 +218,9 @@ kernel void guided_apply(global const float* restrict input, int w, int h, globa
       const vf color = load_first(in + (IN_COLOR + c) * area, n, 0.0f);
       const vf emission = load_first(in + (IN_EMISSION + c) * area, n, 0.0f);
       const vf albedo = load_first(in + (IN_ALBEDO + c) * area, n, 0.0f);
-      const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
       const vf positive = light > (vf)0.0f ? light * share : (vf)0.0f;  // beside strong edges a fit overshoots
       const vf filtered = fma(positive, albedo_floored(albedo), emission);
-      store_first(valid ? filtered : kept,
+      store_first(filtered_or_kept(valid, filtered, color),
                   output + c * out_area + (size_t)(y - top) * (right - left) + (x - left), n);
     }
   }

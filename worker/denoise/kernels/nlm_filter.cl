@@ -74,8 +74,8 @@ kernel void finish(global const float* restrict input, int w, int h, global cons
       result = 0.5f * (result + load(filtered + (3 + c) * plane + p));
       color = 0.5f * (color + load_first(in + COLOR(1, c) * area, n, 0.0f));
 #endif
-      const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
-      store_first(is_valid ? result : kept, output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), n);
+      store_first(filtered_or_kept(is_valid, result, color),
+                  output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), n);
     }
   }
 }

@@ -11,11 +11,6 @@
 
 // Radii and numbers of channels are constants only inside of what is inlined, and then loops over them unroll.
 
-// A vector at any address, in one piece: vload and vstore of halves invite compilers to compute with pieces.
-typedef vf vf_anywhere __attribute__((aligned(4)));
-#define fetch(p) (*(global const vf_anywhere*)(p))
-#define put(v, p) (*(global vf_anywhere*)(p) = (v))
-
 #define CHUNK_WIDTH 64
 #define MARGIN 3                      // the largest radius of a patch
 #define MAP_STRIDE (CHUNK_WIDTH + 16) // both margins and the rest of a vector
@@ -227,4 +222,24 @@ INLINE void smooth(Guide g, Chunk c, Scratch s, int rows, int window, int radius
           }
         }
     }
+}
+
+// The planes of `filtered` from `first` on, RGB, over the pixels [x0, x1) x [y0, y1) of the outer region. Invalid pixels
+// keep their colour.
+kernel void finish(global const float* restrict input, int w, int h, global const float* restrict base,
+                   global const float* restrict filtered, int first, int stride, long plane, long origin, int x0, int y0,
+                   int x1, int y1, global float* restrict output) {
+  const int row = get_global_id(1), y = y0 + row;
+  const size_t area = (size_t)w * h, out_area = (size_t)(x1 - x0) * (y1 - y0);
+  if (y >= y1) return;
+  FOR_EACH_VECTOR(x, x0, x1) {
+    const int n = x1 - x;
+    const size_t p = origin + (size_t)y * stride + x;
+    const vi valid = fetch(base + p) > (vf)0.0f;
+    for (int c = 0; c < 3; ++c) {
+      const vf color = load_first(input + (IN_COLOR + c) * area + (size_t)y * w + x, n, 0.0f);
+      store_first(filtered_or_kept(valid, fetch(filtered + (first + c) * plane + p), color),
+                  output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), n);
+    }
+  }
 }

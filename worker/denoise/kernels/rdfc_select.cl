@@ -52,23 +52,3 @@ kernel void rdfc_blend(global const float* restrict base, global const float* re
       }
     }
 }
-
-// first: the plane of `filtered` with which the result begins. output: RGB over the pixels [x0, x1) x [y0, y1) of the outer region. Invalid pixels keep their colour.
-kernel void finish(global const float* restrict input, int w, int h, global const float* restrict base,
-                   global const float* restrict filtered, int stride, long plane, long origin, int x0, int y0, int x1,
-                   int y1, global float* restrict output, int first) {
-  const int row = get_global_id(1), y = y0 + row;
-  const size_t area = (size_t)w * h, out_area = (size_t)(x1 - x0) * (y1 - y0);
-  if (y >= y1) return;
-  FOR_EACH_VECTOR(x, x0, x1) {
-    const int n = x1 - x;
-    const size_t p = origin + (size_t)y * stride + x;
-    const vi valid = fetch(base + p) > (vf)0.0f;
-    for (int c = 0; c < 3; ++c) {
-      const vf color = load_first(input + (IN_COLOR + c) * area + (size_t)y * w + x, n, 0.0f);
-      const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
-      store_first(valid ? fetch(filtered + (first + c) * plane + p) : kept,
-                  output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), n);
-    }
-  }
-}

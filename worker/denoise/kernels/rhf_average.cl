@@ -79,8 +79,8 @@ kernel void rhf_average(global const float* restrict input, int w, int h, global
     const int n = x1 - x;
     for (int c = 0; c < 3; ++c) {
       const vf color = load_first(input + (IN_COLOR + c) * area + (size_t)y * w + x, n, 0.0f);
-      const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
-      store_first(valid ? mean[c] : kept, output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), n);
+      store_first(filtered_or_kept(valid, mean[c], color),
+                  output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), n);
     }
   }
 }

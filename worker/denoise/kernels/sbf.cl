@@ -229,9 +229,8 @@ kernel void finish(global const float* restrict input, int w, int h, global cons
     const size_t p = origin + (size_t)y * stride + x;
     const vi valid = load(guides + p) < (vf)INFINITY;
     for (int c = 0; c < 3; ++c) {
-      const vf raw = load_first(input + (IN_COLOR + c) * area + (size_t)y * w + x, x1 - x, 0.0f);
-      const vf kept = fabs(raw) < (vf)INFINITY ? raw : (vf)0.0f;
-      store_first(valid ? load(signal + c * plane + p) : kept,
+      const vf color = load_first(input + (IN_COLOR + c) * area + (size_t)y * w + x, x1 - x, 0.0f);
+      store_first(filtered_or_kept(valid, load(signal + c * plane + p), color),
                   output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), x1 - x);
     }
   }

@@ -91,8 +91,8 @@ kernel void columns(global const float* restrict input, int w, int h, global con
     const vi valid = load(signal + 3 * plane + p) > (vf)0.0f;
     for (int c = 0; c < 3; ++c) {
       const vf color = load_first(input + (IN_COLOR + c) * area + (size_t)y * w + x, x1 - x, 0.0f);
-      const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
-      store_first(valid ? mean[c] : kept, output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), x1 - x);
+      store_first(filtered_or_kept(valid, mean[c], color),
+                  output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), x1 - x);
     }
   }
 }

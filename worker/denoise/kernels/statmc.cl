@@ -160,9 +160,9 @@ kernel void statmc_gather(WINDOW_INPUT, global const float* restrict strips, WIN
       const vi valid = fetch(p) < (vf)INFINITY;
       const vf total[3] = {all[v].red, all[v].green, all[v].blue};
       for (int c = 0; c < 3; ++c) {
-        const vf raw = load_first(input + (IN_COLOR + c) * area + (size_t)r.y * w + x0 + r.first + column, n, 0.0f);
-        const vf kept = fabs(raw) < (vf)INFINITY ? raw : (vf)0.0f;
-        store_first(valid ? fma(total[c], scale, fetch(p + (COLOR + c) * PITCH)) : kept, out + c * r.area + column, n);
+        const vf color = load_first(input + (IN_COLOR + c) * area + (size_t)r.y * w + x0 + r.first + column, n, 0.0f);
+        const vf filtered = fma(total[c], scale, fetch(p + (COLOR + c) * PITCH));
+        store_first(filtered_or_kept(valid, filtered, color), out + c * r.area + column, n);
       }
     }
   }

@@ -274,9 +274,9 @@ kernel void sure_reconstruct(global const float* restrict input, int w, int h, g
     }
     for (int c = 0; c < 3; ++c) {
       const vf color = load_first(input + (IN_COLOR + c) * area + (size_t)y * w + x, n, 0.0f);
-      const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
       const vf positive = result[c] > (vf)0.0f ? result[c] : (vf)0.0f;
-      store_first(valid ? positive : kept, output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), n);
+      store_first(filtered_or_kept(valid, positive, color),
+                  output + c * out_area + (size_t)row * (x1 - x0) + (x - x0), n);
     }
   }
 }

@@ -102,7 +102,6 @@ INLINE void modulated(global const float* in, size_t area, int n, vi valid, cons
   for (int c = 0; c < 3; ++c) {
     const vf direct = load_first(in + (IN_DIRECT + c) * area, n, 0.0f);
     const vf color = direct + load_first(in + (IN_INDIRECT + c) * area, n, 0.0f) + emission[c];
-    const vf kept = fabs(color) < (vf)INFINITY ? color : (vf)0.0f;
-    rgb[c] = valid ? rgb[c] : kept;
+    rgb[c] = filtered_or_kept(valid, rgb[c], color);
   }
 }
