@@ -13,6 +13,9 @@
 namespace tessera {
 namespace {
 
+constexpr std::size_t kAtOnce =
+    8;  // planes that are developed: they share a pass, and need room beside the film
+
 class Layers {
  public:
   explicit Layers(const Job& job) : region_(job.region()) {
@@ -98,11 +101,14 @@ bool fits_half(Aov a, Statistic statistic) {
 // Each under the name that core/layers.h gives it, or in a layer of another name.
 void add_channels(Layers& layers, const FrameImage& frame, std::span<const Channel> channels,
                   std::string_view name = "") {
-  const Image image = developed(frame.sums, frame.layout, channels, Part::all);
-  for (int p = 0; const Channel& c : channels) {
-    const std::string channel =
-        name.empty() ? file_channel(c) : fmt::format("{}.{}", name, channel_name(c.aov, c.index));
-    layers.add(channel, image.plane(p++), fits_half(c.aov, c.statistic));
+  for (; !channels.empty(); channels = channels.subspan(std::min(channels.size(), kAtOnce))) {
+    const auto some = channels.first(std::min(channels.size(), kAtOnce));
+    const Image image = developed(frame.sums, frame.layout, some, Part::all);
+    for (int p = 0; const Channel& c : some) {
+      const std::string channel =
+          name.empty() ? file_channel(c) : fmt::format("{}.{}", name, channel_name(c.aov, c.index));
+      layers.add(channel, image.plane(p++), fits_half(c.aov, c.statistic));
+    }
   }
 }
 

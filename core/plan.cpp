@@ -7,11 +7,13 @@
 namespace tessera {
 namespace {
 
-constexpr std::int64_t kManyTasks = 256;  // of a round: as many as keep the workers of a farm busy to its end
+constexpr std::int64_t kManyTasks = 256;
 constexpr int kGrowth = 4;
 
 // Pixel samples of a task. A block is as large for 8 samples as for 4096, so what a round of many costs to
-// send, keep and add up falls with the size of its tasks.
+// send, keep and add up falls with the size of its tasks. With kManyTasks of them the last ones are a small
+// part of a round, but where a single frame has more slots than that: there they cost a task's time at most,
+// some seconds.
 std::int64_t task_samples(const Job& job, const std::vector<Region>& cells, const std::vector<int>& have,
                           const std::vector<int>& want) {
   std::int64_t round = 0;
@@ -46,7 +48,8 @@ std::vector<RenderTask> plan_render(const Job& job, const std::vector<int>& have
   std::vector<RenderTask> tasks;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     for (const Region& piece : grid_cells(cells[i], job.tile)) {
-      const int most = static_cast<int>(std::max<std::int64_t>(kLeafSamples, size / piece.area()));
+      const int most =
+          static_cast<int>(std::clamp<std::int64_t>(size / piece.area(), kLeafSamples, kMaxSamples));
       // One doubling at a time, so that every block is a node of the film's tree.
       for (int n = have[i]; n < want[i];) {
         const int next = n == 0 ? want[i] : 2 * n;

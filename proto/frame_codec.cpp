@@ -69,7 +69,7 @@ Image blank_image(const wire::Planes& w, std::uint64_t& left, std::string_view f
   const std::uint64_t bytes = static_cast<std::uint64_t>(region.area()) * planes * sizeof(float);
   require(bytes <= left, field, "its pixels are missing");
   left -= bytes;
-  return Image(region, planes);
+  return Image::unset(region, planes);
 }
 
 Digest digest_from(const std::string& text, std::string_view field) {

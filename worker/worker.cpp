@@ -69,8 +69,8 @@ class Worker::Slots {
     const Instant begin = clock_now();
     try {
       TaskResult result = runner_.run(*order.job, order.task, order.input, cancel);
-      const std::chrono::duration<double> seconds = clock_now() - begin;
-      std::visit([&](auto& r) { r.seconds = seconds.count(); }, result);
+      const double seconds = seconds_between(begin, clock_now());
+      std::visit([&](auto& r) { r.seconds = seconds; }, result);
       return Agent::Finished{order.slot, std::move(result)};
     } catch (const Error& error) {
       return broke(error.what(), error.code() == ExitCode::bad_input);

@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "coordinator/farm/farm.h"
-#include "coordinator/output.h"
 #include "coordinator/resume.h"
 #include "coordinator/store/kept_image.h"
 #include "proto/clock.h"

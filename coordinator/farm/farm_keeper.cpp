@@ -72,12 +72,13 @@ Keeper::Begun FarmKeeper::recovered(std::size_t frame, const Job& job, const Pla
   Open& kept =
       open_.try_emplace(frame, Open{store_.journal(number_, place(frame), identities_[places_[frame]])})
           .first->second;
-  if (!kept.journal.found().thrown_away.empty())
-    spdlog::warn("store: frame {} of job {}: {}", job.frame, number_, kept.journal.found().thrown_away);
   const auto load = [this](const Digest& blob) {
     return std::make_shared<const Image>(get_image(store_.blobs(), blob));
   };
   RecoveredFrame r = recover(job, kept.journal, load, planes);
+  if (!kept.journal.found().thrown_away.empty())
+    spdlog::warn("store: frame {} of job {}: thrown away is {}", job.frame, number_,
+                 kept.journal.found().thrown_away);
   std::vector<Work> work;
   if (!r.frame->round_complete()) work = r.frame->outstanding();
   return {{std::move(r.frame), r.seconds, r.dropped, std::move(r.device_classes), std::move(r.errors)},

@@ -151,6 +151,7 @@ void Journal::replay(const std::function<bool(LoggedEvent)>& visit) {
     LoggedEvent logged = event_from(record->header, record->plane_bytes);
     read_planes(file_, record->planes_at, logged.pixels.data());
     if (!visit(std::move(logged))) {
+      found_.thrown_away = fmt::format("the last {} bytes: they are not of what is planned now", end_ - at);
       file_.truncate(at);
       end_ = at;
       return;

@@ -215,7 +215,7 @@ class Gatherer {
     if (said_.insert(what).second) notices_.push_back(std::move(what));
   }
   std::size_t area() const { return static_cast<std::size_t>(region_.area()); }
-  Plane zeros() const { return Plane(area()); }
+  Plane zeros() const { return Plane(area(), 0.0f); }
 
   const FilterPlan& plan_;
   const Sources& sources_;

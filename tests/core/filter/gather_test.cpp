@@ -90,6 +90,24 @@ TEST(Gather, SaysWhatStandsInForWhatIsMissing) {
                           HasSubstr("indirect_variance: it is estimated")));
 }
 
+TEST(Gather, WhatStandsInIsZeroInAllOfItsPixels) {
+  const ExrImage picture =
+      file({"R", "G", "B", "Z", "N.X", "N.Y", "N.Z", "albedo.R", "albedo.G", "albedo.B"});
+  const FilterPlan plan = parse_filter("svgf");
+  const std::vector<Channel> inputs = plan.inputs();
+  {
+    const Floats used(static_cast<std::size_t>(kRegion.area()), std::numeric_limits<float>::quiet_NaN());
+    const std::vector<Floats> memory(100, used);  // that is free again, and not clean
+  }
+  const Image input = gathered(plan, picture);
+  for (std::size_t p = 0; p < inputs.size(); ++p) {
+    const bool missing = inputs[p].aov == Aov::emission || inputs[p].aov == Aov::indirect;
+    if (missing && inputs[p].statistic == Statistic::mean) {
+      EXPECT_THAT(input.plane(static_cast<int>(p)), Each(0.0f)) << p;
+    }
+  }
+}
+
 TEST(Gather, ReadsTheSkyOfOthersAsOurs) {
   ExrImage picture = file({"R", "G", "B", "Z", "N.X", "N.Y", "N.Z", "albedo.R", "albedo.G", "albedo.B", "P.X",
                            "P.Y", "P.Z", "emission.R", "emission.G", "emission.B"});

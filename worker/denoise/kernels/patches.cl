@@ -6,6 +6,8 @@
 // share them. Each sum is taken anew, in the same order wherever the chunk begins. Maps lie in the chunk's own part of
 // a scratch buffer.
 //
+// Last what both filters by patches end with: their result as a picture.
+//
 // Planes are 0 in the pad and at invalid pixels, and plane 0 says which pixels are valid: 1, else 0. A patch's
 // distance is the mean over the pairs of pixels of which both are valid.
 
