@@ -110,8 +110,9 @@ Trial Shot::trial(AovSet aovs, int number) {
 
 Reference reference_of(const Trial& trial, int samples, const std::filesystem::path& folder) {
   const Size size = trial.settings_.size;
-  const auto file = folder / fmt::format("{}_{:04}_{}x{}_{}.exr", trial.scenery_.hash, trial.number_,
-                                         size.width, size.height, samples);
+  const int number = trial.scenery_.scene->tracks.empty() ? 0 : trial.number_;  // nothing moves: all are one
+  const auto file = folder / fmt::format("{}_{:04}_{}x{}_{}.exr", trial.scenery_.hash, number, size.width,
+                                         size.height, samples);
   if (std::filesystem::exists(file)) {
     const ExrImage there = read_exr(file);
     return {layer_of(there, kLayers[0]), layer_of(there, kLayers[1]), layer_of(there, kLayers[2]),
@@ -121,7 +122,7 @@ Reference reference_of(const Trial& trial, int samples, const std::filesystem::p
   settings.seed = kReferenceSeed;
   settings.aovs = AovSet{Aov::color};
   Film film(trial.frame_, settings.aovs);
-  render_up_to(film, *trial.scenery_.ready, settings, trial.number_, samples);
+  render_up_to(film, *trial.scenery_.ready, settings, number, samples);
   const auto image = [&](Statistic s, Part part) {
     return developed(film.sums(), film.layout(), channels_of(Aov::color, s), part);
   };
