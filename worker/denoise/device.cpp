@@ -2,12 +2,10 @@
 #include "worker/denoise/device.h"
 
 #include <fmt/format.h>
-#include <sys/mman.h>
 
 #include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <cstdlib>
 
 #include "core/error.h"
 #include "kernels.h"
@@ -74,18 +72,6 @@ const Found* choose(const std::vector<Found>& all, const std::string& which) {
   for (const Found& f : all)
     if (lower(f.info.name).find(lower(which)) != std::string::npos) return &f;
   return nullptr;
-}
-
-// Memory in large pages where the system has them to give: a kernel walks dozens of planes at once, each on a
-// page of its own otherwise.
-std::unique_ptr<float, Freed> in_large_pages(std::size_t floats) {
-  constexpr std::size_t kPage = 2 << 20;
-  const std::size_t bytes = (floats * sizeof(float) + kPage - 1) / kPage * kPage;
-  void* memory = std::aligned_alloc(kPage, bytes);
-#ifdef MADV_HUGEPAGE
-  if (memory) madvise(memory, bytes, MADV_HUGEPAGE);  // advice: that it is not taken is no failure
-#endif
-  return std::unique_ptr<float, Freed>(static_cast<float*>(memory));
 }
 
 // The widest of the kernels' vector widths that the device handles natively; a GPU takes single pixels.
@@ -190,15 +176,13 @@ Workspace& ClDevice::workspace(int slot, std::size_t floats) {
   Workspace& space = workspaces_[static_cast<std::size_t>(slot)];
   if (floats > space.room) {
     space = {};  // the old one goes before the new one comes
-    if (info_.kind == "cpu") space.memory = in_large_pages(floats);
-    const cl_mem_flags flags = CL_MEM_READ_WRITE | (space.memory ? CL_MEM_USE_HOST_PTR : 0);
-    space.buffer = cl::Buffer(context_, flags, floats * sizeof(float), space.memory.get());
+    if (info_.kind == "cpu") space.memory = Floats(floats);
+    const cl_mem_flags flags = CL_MEM_READ_WRITE | (space.memory.empty() ? 0 : CL_MEM_USE_HOST_PTR);
+    space.buffer = cl::Buffer(context_, flags, floats * sizeof(float), space.memory.empty() ? nullptr : space.memory.data());
     space.room = floats;
   }
   return space;
 }
-
-void Freed::operator()(float* p) const { std::free(p); }
 
 Image ClDevice::image(const Region& region, int planes) {
   Image image = std::exchange(spare_, {});

@@ -8,7 +8,6 @@
 #define CL_HPP_TARGET_OPENCL_VERSION 120
 #include <CL/opencl.hpp>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <span>
 #include <string_view>
@@ -25,13 +24,9 @@ struct KernelTime {
   double seconds = 0;
 };
 
-struct Freed {
-  void operator()(float* p) const;
-};
-
 // A buffer that outlives the filter runs that use it.
 struct Workspace {
-  std::unique_ptr<float, Freed> memory;  // the buffer's, where the device shares ours
+  Floats memory;      // the buffer's, where the device shares ours
   cl::Buffer buffer;
   std::size_t room = 0;  // floats
   std::string pads;      // what the pads around its planes hold: whoever finds another value fills them anew
