@@ -11,7 +11,7 @@ namespace tessera {
 
 // Memory for a plane or many, aligned to cache lines at least. From some megabytes on in large pages where the system
 // has them to give: who walks dozens of planes at once is on a page of its own in each otherwise, and a first touch of
-// each small page costs more than what is done with it..
+// each small page costs more than what is done with it. Throws std::bad_alloc.
 void* plane_memory(std::size_t bytes);
 void free_plane_memory(void* memory) noexcept;
 

@@ -177,8 +177,9 @@ Workspace& ClDevice::workspace(int slot, std::size_t floats) {
   if (floats > space.room) {
     space = {};  // the old one goes before the new one comes
     if (info_.kind == "cpu") space.memory = Floats(floats);
-    const cl_mem_flags flags = CL_MEM_READ_WRITE | (space.memory.empty() ? 0 : CL_MEM_USE_HOST_PTR);
-    space.buffer = cl::Buffer(context_, flags, floats * sizeof(float), space.memory.empty() ? nullptr : space.memory.data());
+    const bool ours = !space.memory.empty();
+    space.buffer = cl::Buffer(context_, CL_MEM_READ_WRITE | (ours ? CL_MEM_USE_HOST_PTR : 0), floats * sizeof(float),
+                              ours ? space.memory.data() : nullptr);
     space.room = floats;
   }
   return space;

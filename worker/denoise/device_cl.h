@@ -26,7 +26,7 @@ struct KernelTime {
 
 // A buffer that outlives the filter runs that use it.
 struct Workspace {
-  Floats memory;      // the buffer's, where the device shares ours
+  Floats memory;  // the buffer's, where the device shares ours
   cl::Buffer buffer;
   std::size_t room = 0;  // floats
   std::string pads;      // what the pads around its planes hold: whoever finds another value fills them anew
