@@ -38,6 +38,7 @@ kernel void prepare(global const float* restrict input, int w, int h, global flo
 kernel void atrous_level(global const float* restrict guides, global const float* restrict from,
                          global float* restrict to, int stride, long plane, long origin, int x0, int y0, int x1,
                          int y1, int step, float4 k) {
+  ALIGNED_FRAME;
   const int y = y0 + row_of(get_global_id(1), y1 - y0, step);
   if (y >= y1) return;
   FOR_EACH_VECTOR(x, x0, x1) {

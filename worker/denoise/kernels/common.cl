@@ -93,6 +93,24 @@ vf luminance(vf r, vf g, vf b) { return fma((vf)0.2126f, r, fma((vf)0.7152f, g, 
 // 1 (all bits) where |x| is an ordinary number.
 vi ordinary(vf x) { return fabs(x) <= (vf)LARGEST; }
 
+// Whether any lane is 1 (all bits).
+#if VW == 1
+int any_lane(vi lanes) { return lanes; }
+#else
+// The library's any() is a branch for each lane to the compiler.
+int any_lane(vi lanes) {
+#if VW == 16
+  const long8 pairs = as_long8(lanes);
+  return (pairs.s0 | pairs.s1 | pairs.s2 | pairs.s3 | pairs.s4 | pairs.s5 | pairs.s6 | pairs.s7) != 0;
+#elif VW == 8
+  const long4 pairs = as_long4(lanes);
+  return (pairs.s0 | pairs.s1 | pairs.s2 | pairs.s3) != 0;
+#else
+  return any(lanes);
+#endif
+}
+#endif
+
 // VW floats of a row of which only the first n are ours to read; the others become `rest`.
 vf load_first(global const float* p, int n, float rest) {
   if (n >= VW) return fetch(p);
@@ -128,6 +146,13 @@ INLINE vf filtered_or_kept(vi valid, vf filtered, vf color) {
 // Illumination: what is left of a colour when the surface's albedo is divided out. The floor keeps black surfaces
 // finite; the same one is used on the way back.
 vf albedo_floored(vf albedo) { return albedo > (vf)1e-3f ? albedo : (vf)1e-3f; }
+
+// Of a kernel that has more vectors than there are registers. Those that go to memory for a while lie there aligned only
+// if the whole frame does, which the compiler (LLVM) must know before it finds them: a vector that has to be in memory
+// from the beginning tells it. Without, each of them lies across two cache lines.
+#define ALIGNED_FRAME \
+  volatile vf in_memory; \
+  in_memory = 0.0f
 
 // One work-item walks a row, or its share of one, VW pixels at a time.
 #define FOR_EACH_VECTOR(x, begin, end) \

@@ -9,12 +9,7 @@
 // vectors, and only where there are many runs, or the planes' ends are near, lane by lane. Which of both ways is gone
 // changes no bit, nor does what the other lanes do.
 // HISTORY is defined where the filter has a history by which it tells surfaces with a Trace. Without motion there is
-// nothing here but two words for vectors.
-#if VW == 1
-#define any_lane(v) ((v) != 0)
-#else
-#define any_lane(v) any(v)
-#endif
+// nothing here but a word for vectors.
 
 // Of a vector of pixels from x on those in [x0, x1), at p.
 INLINE void store_between(vf v, global float* p, int x, int x0, int x1) {
@@ -63,7 +58,6 @@ typedef struct {
 // `seen` is not copied: what has just been stored number by number is not to be read as a vector.
 typedef struct {
   vi inside;
-  vi index;  // 0 where it is not inside
   const Seen* seen;
   int runs, offset;  // of seen's runs those that can be read; to be added to their starts
 } Tap;
@@ -128,7 +122,6 @@ INLINE Tap tap_of(const Seen* s, int i, int j, int width, int height) {
   Tap t;
   const vi x = s->x + i, y = s->y + j;
   t.inside = s->wanted & (x >= (vi)0) & (x < (vi)width) & (y >= (vi)0) & (y < (vi)height);
-  t.index = t.inside ? y * width + x : (vi)0;
   t.seen = s;
   t.offset = j * width + i;
   t.runs = s->lowest + t.offset >= 0 && s->highest + t.offset + VW <= width * height ? s->runs : 0;
@@ -139,13 +132,13 @@ INLINE Tap tap_of(const Seen* s, int i, int j, int width, int height) {
 INLINE vf at_tap(global const float* plane, Tap t) {
   if (t.runs > 0) {
     const int* run = t.seen->run;
-    vf v = load(plane + (run[0] + t.offset));
-    for (int r = 1; r < t.runs; ++r) v = t.seen->start == (vi)run[r] ? load(plane + (run[r] + t.offset)) : v;
+    vf v = fetch(plane + (run[0] + t.offset));
+    for (int r = 1; r < t.runs; ++r) v = t.seen->start == (vi)run[r] ? fetch(plane + (run[r] + t.offset)) : v;
     return v;
   }
   float values[VW];
   int index[VW];
-  store(t.index, index);
+  store(t.inside ? t.seen->start + load(kLanes) + t.offset : (vi)0, index);
   for (int k = 0; k < VW; ++k) values[k] = plane[index[k]];
   return load(values);
 }

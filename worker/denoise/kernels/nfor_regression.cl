@@ -103,6 +103,7 @@ kernel void nfor_fit(global const float* restrict valid, global const float* res
                      int features_at, global const float* restrict picture, int picture_at,
                      global float* restrict coefficients, int stride, long plane, long origin, int x0, int y0, int x1,
                      int y1, int rows, global float* restrict scratch, int window, float k2) {
+  ALIGNED_FRAME;
   if (get_global_id(0) > 0) return;
   const Chunk c = chunk_of(rows, stride, origin, x0, y0, x1, y1);
   const Scratch s = scratch_of(scratch, rows, OWN_MAPS);

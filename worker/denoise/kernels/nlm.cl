@@ -42,11 +42,11 @@ INLINE vf nlm_ring_sum(NlmRing* ring, int y, vf row) {
 // One reciprocal serves both halves: W is at most 1e18, so the product is finite.
 void nlm_reciprocals(const vf* d, vf* r) {
 #if NLM_HALVES == 2
-  const vf both = nlm_reciprocal(d[0] * d[1]);
+  const vf both = 1.0f / (d[0] * d[1]);
   r[0] = both * d[1];
   r[1] = both * d[0];
 #else
-  r[0] = nlm_reciprocal(d[0]);
+  r[0] = 1.0f / d[0];
 #endif
 }
 
@@ -147,62 +147,89 @@ vf nlm_exponent(vf sum, vf scale, float threshold) {
   return most > (vf)threshold ? most : (vf)0.0f;
 }
 
-// Adds what the offsets of the group give to the vector of pixels at (i, row) of the tile. acc: of each half
-// the sum of weights, then of each channel that of weighted differences. Where no weight of a vector is above
-// the threshold, nothing is added, which is as good as zeros.
+// Of a pair of offsets (o, -o): the exponents of each half's weights.
+typedef struct {
+  vf e[2][NLM_HALVES];
+} NlmExponents;
+
+// Of offset g and its opposite, for the vector of pixels at (i, row) of the tile, which is at p. Whether any is above
+// the threshold.
+INLINE int nlm_exponents(global const float* p, NlmTile t, int i, int row, int g, NlmScales k, global const float* sums,
+                         NlmExponents* found, const int whole) {
+  const long map = (long)t.width * t.height;
+  vf most = 0.0f;
+#pragma unroll
+  for (int back = 0; back < 2; ++back) {
+    global const float* here = sums + (long)g * (NLM_MAPS + 1) * map + nlm_site(t, i, row, g, back);
+    global const float* valid = p + nlm_step(t, NLM_PLANES, g, back) + (NLM_PLANES - 1) * t.pitch;
+    vf scale = k.full;
+    if (!whole) {
+      const vf count = nlm_across(here + NLM_MAPS * map);
+      scale = count == (vf)(float)NLM_FULL ? (vf)k.full : k.mean / count;
+    }
+#pragma unroll
+    for (int h = 0; h < NLM_HALVES; ++h) {
+      vf e = nlm_exponent(nlm_across(here + (back * NLM_HALVES + h) * map), scale, k.threshold);
+      if (!whole) e = fetch(valid) < (vf)INFINITY ? e : (vf)0.0f;
+      most = most > e ? most : e;
+      found->e[back][h] = e;
+    }
+  }
+  return any_lane(most > (vf)0.0f);
+}
+
+// Of each half the sum of weights, then of each channel that of weighted differences.
+typedef struct {
+  vf sum[NLM_HALVES][NLM_CHANNELS + 1];
+} NlmSums;
+
+// Adds the pixels at q, by the weight that each half has for the other.
+INLINE void nlm_add(global const float* p, global const float* q, int pitch, const vf* exponents, float lowered,
+                    NlmSums* total) {
+#pragma unroll
+  for (int h = 0; h < NLM_HALVES; ++h) {
+    const int other = NLM_HALVES - 1 - h;
+    vf w = number_of(exponents[h]);
+#if NLM_SOFT
+    w = exponents[h] > (vf)0.0f ? w - lowered : (vf)0.0f;
+    w = w > (vf)0.0f ? w : (vf)0.0f;
+#endif
+    total->sum[other][0] += w;
+#pragma unroll
+    for (int c = 0; c < NLM_CHANNELS; ++c) {
+      const int u = NLM_U(other, c) * pitch;
+      total->sum[other][1 + c] = fma(w, fetch(q + u) - fetch(p + u), total->sum[other][1 + c]);
+    }
+  }
+}
+
+// Adds what the offsets of the group give to the vector of pixels at (i, row) of the tile. acc: NlmSums, plane by plane.
+// Where no weight of a vector is above the threshold, nothing is added, which is as good as zeros.
 INLINE void nlm_gather(global const float* own, NlmTile t, int i, int row, NlmScales k, float lowered,
-                           global const float* sums, global float* acc, const int whole) {
+                       global const float* sums, global float* acc, const int whole) {
   global const float* p = own + nlm_own(t, NLM_PLANES, i, row);
-  const long map = (long)t.width * t.height, area = (long)t.columns * t.rows;
-  const int pitch = t.pitch;
-  vf total[NLM_HALVES][NLM_CHANNELS + 1];
+  const long area = (long)t.columns * t.rows;
+  NlmSums total;
   int any_weight = 0;
 #pragma unroll
   for (int h = 0; h < NLM_HALVES; ++h)
 #pragma unroll
-    for (int c = 0; c <= NLM_CHANNELS; ++c) total[h][c] = 0.0f;
+    for (int c = 0; c <= NLM_CHANNELS; ++c) total.sum[h][c] = 0.0f;
 #pragma nounroll
-  for (int g = 0; g < t.offsets; ++g)
+  for (int g = 0; g < t.offsets; ++g) {
+    NlmExponents found;
+    if (!nlm_exponents(p, t, i, row, g, k, sums, &found, whole)) continue;
+    any_weight = 1;
 #pragma unroll
-    for (int back = 0; back < 2; ++back) {
-      global const float* q = p + nlm_step(t, NLM_PLANES, g, back);
-      global const float* here = sums + (long)g * (NLM_MAPS + 1) * map + nlm_site(t, i, row, g, back);
-      vf scale = k.full;
-      if (!whole) {
-        const vf count = nlm_across(here + NLM_MAPS * map);
-        scale = count == (vf)(float)NLM_FULL ? (vf)k.full : k.mean * nlm_reciprocal(count);
-      }
-      vf e[NLM_HALVES], most = 0.0f;
-#pragma unroll
-      for (int h = 0; h < NLM_HALVES; ++h) {
-        e[h] = nlm_exponent(nlm_across(here + (back * NLM_HALVES + h) * map), scale, k.threshold);
-        if (!whole) e[h] = fetch(q + (NLM_PLANES - 1) * pitch) < (vf)INFINITY ? e[h] : (vf)0.0f;
-        most = most > e[h] ? most : e[h];
-      }
-      if (!nlm_any(most > (vf)0.0f)) continue;
-      any_weight = 1;
-#pragma unroll
-      for (int h = 0; h < NLM_HALVES; ++h) {
-        const int other = NLM_HALVES - 1 - h;
-        vf w = number_of(e[h]);
-#if NLM_SOFT
-        w = e[h] > (vf)0.0f ? w - lowered : (vf)0.0f;
-        w = w > (vf)0.0f ? w : (vf)0.0f;
-#endif
-        total[other][0] += w;
-#pragma unroll
-        for (int c = 0; c < NLM_CHANNELS; ++c) {
-          const int u = NLM_U(other, c) * pitch;
-          total[other][1 + c] = fma(w, fetch(q + u) - fetch(p + u), total[other][1 + c]);
-        }
-      }
-    }
+    for (int back = 0; back < 2; ++back)
+      nlm_add(p, p + nlm_step(t, NLM_PLANES, g, back), t.pitch, found.e[back], lowered, &total);
+  }
   if (!any_weight) return;
   acc += (long)row * t.columns + i;
 #pragma unroll
   for (int h = 0; h < NLM_HALVES; ++h)
 #pragma unroll
-    for (int c = 0; c <= NLM_CHANNELS; ++c, acc += area) put(fetch(acc) + total[h][c], acc);
+    for (int c = 0; c <= NLM_CHANNELS; ++c, acc += area) put(fetch(acc) + total.sum[h][c], acc);
 }
 
 // All offsets of one tile.

@@ -8,33 +8,6 @@
 #define NLM_RING (NLM_PATCH < 4 ? 8 : 16)  // rows of quotients that are kept; a power of two
 #define NLM_FULL (NLM_TAPS * NLM_TAPS)
 
-#if VW == 1
-int nlm_any(vi lanes) { return lanes; }
-#else
-// The library's any() is a branch for each lane to the compiler.
-int nlm_any(vi lanes) {
-#if VW == 16
-  const long8 pairs = as_long8(lanes);
-  return (pairs.s0 | pairs.s1 | pairs.s2 | pairs.s3 | pairs.s4 | pairs.s5 | pairs.s6 | pairs.s7) != 0;
-#elif VW == 8
-  const long4 pairs = as_long4(lanes);
-  return (pairs.s0 | pairs.s1 | pairs.s2 | pairs.s3) != 0;
-#else
-  return any(lanes);
-#endif
-}
-#endif
-
-// 1 / d for ordinary d > 0, relative error below 4e-6: the exponent negated by subtracting bits, then e = 1 -
-// d y brought from 0.12 to its third power and to the square of that.
-vf nlm_reciprocal(vf d) {
-  vf y = as_vf(0x7EF311C7 - as_vi(d));
-  vf e = fma(-d, y, (vf)1.0f);
-  y = fma(y, fma(e, e, e), y);
-  e = fma(-d, y, (vf)1.0f);
-  return fma(y, e, y);
-}
-
 // The part of the picture that is worked on at a time, for one group of offsets.
 typedef struct {
   int x, y, columns, rows;  // its pixels; columns: rounded up to whole vectors
@@ -105,7 +78,7 @@ int nlm_is_whole(global const float* valid, int stride, long origin, NlmTile t) 
     vi missing = 0;
     for (int x = t.x - NLM_REACH; x < t.x + t.columns + NLM_REACH; x += VW)
       missing |= !(fetch(valid + origin + (long)y * stride + x) < (vf)INFINITY);
-    if (nlm_any(missing)) return 0;
+    if (any_lane(missing)) return 0;
   }
   return 1;
 }

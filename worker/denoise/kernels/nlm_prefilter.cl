@@ -78,8 +78,7 @@ INLINE void nlm_prefilter_pairs(global const float* own, NlmTile t, int y, NlmPr
     for (int g = 0; g < t.offsets; ++g) {
       global const float* q = p + nlm_step(t, NLM_PREFILTER_PLANES, g, 0);
       const vf difference = fetch(q) - u;
-      const vf reciprocal = nlm_reciprocal(v + fetch(q + NLM_PREFILTER_V * t.pitch));
-      const vf e = fma(-(difference * difference), reciprocal, (vf)OF_ONE);
+      const vf e = OF_ONE - difference * difference / (v + fetch(q + NLM_PREFILTER_V * t.pitch));
       const vf pair = number_of(e > (vf)0.0f ? e : (vf)0.0f);
       put(nlm_prefilter_ring_sum(f.rings + g * 2 * NLM_RING * t.width + i, t.width, y, pair),
                f.columns + g * t.width + i);
@@ -91,7 +90,7 @@ INLINE void nlm_prefilter_pairs(global const float* own, NlmTile t, int y, NlmPr
 // one of themselves is none.
 vf nlm_prefilter_share(global const float* p, global const float* q, int pitch) {
   const vi both = (fetch(p) < (vf)INFINITY) & (fetch(q) < (vf)INFINITY);
-  if (!nlm_any(both)) return 0.0f;
+  if (!any_lane(both)) return 0.0f;
   vf count = 0.0f;
   for (int k = -NLM_PATCH; k <= NLM_PATCH; ++k)
     for (int j = -NLM_PATCH; j <= NLM_PATCH; ++j) {
@@ -99,7 +98,7 @@ vf nlm_prefilter_share(global const float* p, global const float* q, int pitch) 
       const vi pair = (fetch(p + at) < (vf)INFINITY) & (fetch(q + at) < (vf)INFINITY);
       count += pair ? (vf)1.0f : (vf)0.0f;
     }
-  const vf share = count == (vf)(float)NLM_FULL ? (vf)1.0f : (float)NLM_FULL * nlm_reciprocal(count);
+  const vf share = count == (vf)(float)NLM_FULL ? (vf)1.0f : (float)NLM_FULL / count;
   return both ? share : (vf)0.0f;
 }
 
@@ -115,7 +114,7 @@ INLINE void nlm_prefilter_weights(global const float* own, NlmTile t, int y, Nlm
       if (!whole) {
         global const float *p = first + i, *q = p + step;
         const vf broken = fetch(p + NLM_PREFILTER_BROKEN * t.pitch) + fetch(q + NLM_PREFILTER_BROKEN * t.pitch);
-        if (nlm_any(broken > (vf)0.0f)) weight *= nlm_prefilter_share(p, q, t.pitch);
+        if (any_lane(broken > (vf)0.0f)) weight *= nlm_prefilter_share(p, q, t.pitch);
       }
       put(weight, to + i);
     }

@@ -59,7 +59,7 @@ void draw(uint key, int draws, int slots, global const uchar* restrict offsets, 
   }
 }
 
-int any_lane(int16 v) {
+int bits_of_lanes(int16 v) {
   const int8 a = v.lo | v.hi;
   const int4 b = a.lo | a.hi;
   const int2 c = b.lo | b.hi;
@@ -74,7 +74,7 @@ uint alike(global const float* restrict pixel, float16 low, float16 high) {
     const float16 v = vload16(0, pixel + s * LINE);
     outside |= ((v < low) | (v > high)) & (1 << s);
   }
-  return ~any_lane(outside) & 255;
+  return ~bits_of_lanes(outside) & 255;
 }
 
 // Means and deviations over the samples of a list, the sums taken in its order as distances from `about`.

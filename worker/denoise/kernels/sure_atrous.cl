@@ -172,6 +172,7 @@ INLINE vf light_scale(global const float* guides, global const float* levels, gl
 kernel void sure_level(global const float* restrict guides, global float* restrict levels,
                        global float* restrict details, int stride, long plane, long origin, int x0, int y0, int x1,
                        int y1, int step, int level, float correction, float4 k) {
+  ALIGNED_FRAME;
   const int y = y0 + row_of(get_global_id(1), y1 - y0, step);
   const float centre = 9.0f / 64;
   global const float* restrict from = levels + LEVEL_PLANES * level * plane;

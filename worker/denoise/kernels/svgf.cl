@@ -74,6 +74,7 @@ INLINE vf geometry_weight(Surface s, global const float* guides, long plane, siz
 
 // The samples' variances, averaged over the surface around. from: raw; to: the signal, of which nothing else changes.
 kernel void svgf_variance_samples(PASS_ARGUMENTS) {
+  ALIGNED_FRAME;
   const int y = y0 + row_of(get_global_id(1), y1 - y0, step);
   if (y >= y1) return;
   FOR_EACH_VECTOR(x, x0, x1) {
@@ -108,6 +109,7 @@ vf variance_of(vf sum, vf first, vf second) {
 // The variance of the picture over the surface around (Schied et al. 2017, section 4.2), by moments about the
 // centre's luminance: they do not cancel. to: the signal, of which nothing else changes.
 kernel void svgf_variance_spatial(PASS_ARGUMENTS) {
+  ALIGNED_FRAME;
   const int y = y0 + row_of(get_global_id(1), y1 - y0, step);
   if (y >= y1) return;
   FOR_EACH_VECTOR(x, x0, x1) {
@@ -247,6 +249,7 @@ INLINE Passed passed_at(global const float* guides, global const float* from, in
 
 // kept: whether the light is, too.
 kernel void svgf_level(PASS_ARGUMENTS, KEPT_ARGUMENTS) {
+  ALIGNED_FRAME;
   const int y = y0 + row_of(get_global_id(1), y1 - y0, step);
   if (y >= y1) return;
   FOR_EACH_VECTOR(x, x0, x1) {
@@ -263,6 +266,7 @@ kernel void svgf_level(PASS_ARGUMENTS, KEPT_ARGUMENTS) {
 // The last one makes the picture. to: RGB over the pixels [px0, px1) x [py0, py1) of the outer region.
 kernel void svgf_last_level(PASS_ARGUMENTS, KEPT_ARGUMENTS, global const float* restrict input, int w, int h, int px0,
                             int py0, int px1, int py1) {
+  ALIGNED_FRAME;
   const int y = y0 + row_of(get_global_id(1), y1 - y0, step);
   const size_t area = (size_t)(px1 - px0) * (py1 - py0);
   if (y >= y1) return;

@@ -40,7 +40,7 @@ INLINE Around around(int i, int width, int j, int height, bool inner) {
 }
 
 INLINE vf beside(global const float* row, const Around* a, int k) {
-  return a->inner ? load(row + a->i + k - 1) : load_in_row(row, a->i + k - 1, a->width, 0.0f);
+  return a->inner ? fetch(row + a->i + k - 1) : load_in_row(row, a->i + k - 1, a->width, 0.0f);
 }
 
 INLINE void longest_motion(global const float* motion, size_t area, int stride, const Around* a, vf* mx, vf* my) {
@@ -123,20 +123,21 @@ INLINE Statistics statistics(global const float* picture, size_t area, const Aro
 
 // `rgb` drawn to the mean until no channel is farther from it than gamma deviations.
 INLINE void clip(const Statistics* s, float gamma, vf* rgb) {
-  vf offset[3], d[3], farthest = 0.0f;
+  vf offset[3], d[3], scale = 1.0f;
 #pragma unroll
   for (int c = 0; c < 3; ++c) offset[c] = rgb[c] - s->centre[c];
   to_luma_chroma(offset, d);
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
     d[c] = fma(d[c], (vf)kPart[c], -s->mean[c]);
-    const vf relative = fabs(d[c]) / fma(s->deviation[c], (vf)gamma, (vf)1e-30f);
-    farthest = relative > farthest ? relative : farthest;
+    const vf most = fma(s->deviation[c], (vf)gamma, (vf)1e-30f) / fabs(d[c]);
+    scale = most < scale ? most : scale;
   }
-  const vf scale = 1.0f / farthest;
+#pragma unroll
   for (int c = 0; c < 3; ++c) d[c] = fma(d[c], scale, s->mean[c]);
   to_rgb(d, offset);
-  for (int c = 0; c < 3; ++c) rgb[c] = farthest > (vf)1.0f ? s->centre[c] + offset[c] : rgb[c];
+#pragma unroll
+  for (int c = 0; c < 3; ++c) rgb[c] = scale < (vf)1.0f ? s->centre[c] + offset[c] : rgb[c];
 }
 
 // The mixture of the picture and what was clipped. It is the picture plus a part of the difference: where nothing
@@ -147,6 +148,7 @@ INLINE void mix_in(const Statistics* s, vi known, float alpha, vf* rgb) {
   const vf new_weight = alpha * (1.0f + (then > (vf)0.0f ? then : (vf)0.0f));
   const vf old_weight = (1.0f - alpha) * (1.0f + (now > (vf)0.0f ? now : (vf)0.0f));
   const vf share = old_weight / (new_weight + old_weight);
+#pragma unroll
   for (int c = 0; c < 3; ++c) rgb[c] = known ? fma(share, rgb[c] - s->centre[c], s->centre[c]) : s->centre[c];
 }
 
@@ -162,6 +164,7 @@ INLINE vi picture_before(Seen* place, global const float* past, int past_x0, int
   })
   const vi known = sum >= (vf)0.25f;
   const vf scale = 1.0f / sum;
+#pragma unroll
   for (int c = 0; c < 3; ++c) rgb[c] = known ? total[c] * scale : (vf)0.0f;
   return known;
 }
@@ -206,6 +209,7 @@ kernel void taa(global const float* restrict input, int w, int h, global const f
       MIX(false)
 #undef MIX
     global float* out = output + (size_t)row * (x1 - x0) + (x - x0);
+#pragma unroll
     for (int c = 0; c < 3; ++c) {
       store_first(rgb[c], out + c * out_area, x1 - x);
       store_first(rgb[c], out + (3 + first + c) * out_area, x1 - x);
