@@ -3,7 +3,7 @@
 // they share the geometry's weights.
 //   guides: 0 depth (+infinity at invalid pixels)   1..3 unit normal
 //   signal: 0..2 direct   3..5 indirect   6, 7 variance of their luminance, as found by a pass over
-//   raw: 6, 7 variance of a pixel's own luminance
+//   raw: 6, 7 variance of a pixel's own luminance; with MOMENTS, where the picture tells it, the luminance itself
 // SQUARINGS: the exponent of the normals' cosine is 2^SQUARINGS.
 // With a history guides plane 4 is its length.
 
@@ -33,20 +33,25 @@ vf depth_scale(Surface s, int i, int j, float reach) {
   return EXPONENT_UNIT / fma(fabs(fma(s.slope_x, (vf)(float)i, s.slope_y * (float)j)), (vf)reach, s.tolerance);
 }
 
+#define STEEP (SQUARINGS >= 7)
+
 // A weight is `factor` times the number whose exponent is `exponent`.
 typedef struct {
-  vf exponent, factor;
+  vf exponent;
+#if !STEEP
+  vf factor;
+#endif
 } Likeness;
 
 // w_n in an exponent, where it is steep: with t = 1 - cos, ln cos = -(t + t^2/2 + t^3/3) - t^4/4 - ... Of the power
 // k = 2^SQUARINGS what is left out takes less than k t^4/4 exp(-kt) from a weight of 1, at most (4/k)^3 e^-4: 6e-7.
-#define STEEP (SQUARINGS >= 7)
 #define STEEPNESS (LOG2_E * EXPONENT_UNIT * (1 << SQUARINGS))
 
 // Of w_z times w_n times a weight of the exponent `other`.
 INLINE Likeness likeness(Surface s, global const float* guides, long plane, size_t q, vf scale, float other) {
   const vf nx = load(guides + plane + q), ny = load(guides + 2 * plane + q), nz = load(guides + 3 * plane + q);
-  Likeness a = {other, 1.0f};
+  Likeness a;
+  a.exponent = other;
 #if STEEP
   const vf t = fma(-s.nx, nx, fma(-s.ny, ny, fma(-s.nz, nz, (vf)1.0f)));
   const vf series = fma(fma(t, (vf)(-STEEPNESS / 3), (vf)(-STEEPNESS / 2)), t, (vf)-STEEPNESS);
@@ -61,9 +66,17 @@ INLINE Likeness likeness(Surface s, global const float* guides, long plane, size
   return a;
 }
 
+INLINE vf weight(Likeness a, vf exponent) {
+#if STEEP
+  return weight_of(exponent);
+#else
+  return a.factor * weight_of(exponent);
+#endif
+}
+
 INLINE vf geometry_weight(Surface s, global const float* guides, long plane, size_t q, vf scale) {
   const Likeness a = likeness(s, guides, plane, q, scale, OF_ONE);
-  return a.factor * weight_of(a.exponent);
+  return weight(a, a.exponent);
 }
 
 // The arguments that every pass takes. k: sigma_z * step * ln 2, depth tolerance * ln 2, sigma_l * ln 2,
@@ -93,21 +106,13 @@ kernel void svgf_variance_samples(PASS_ARGUMENTS) {
   }
 }
 
-// Luminance of the light at q minus that at p, kept where its square is finite.
-vf luminance_step(global const float* light, long plane, size_t p, size_t q) {
-  vf d = luminance(load(light + q) - load(light + p), load(light + plane + q) - load(light + plane + p),
-                   load(light + 2 * plane + q) - load(light + 2 * plane + p));
-  d = d < (vf)1e18f ? d : (vf)1e18f;
-  return d > (vf)-1e18f ? d : (vf)-1e18f;
-}
-
 vf variance_of(vf sum, vf first, vf second) {
   const vf mean = first / sum, v = second / sum - mean * mean;
   return v > (vf)0.0f ? v : (vf)0.0f;
 }
 
 // The variance of the picture over the surface around (Schied et al. 2017, section 4.2), by moments about the
-// centre's luminance: they do not cancel. to: the signal, of which nothing else changes.
+// centre's luminance: they do not cancel. from: raw; to: the signal, of which nothing else changes.
 kernel void svgf_variance_spatial(PASS_ARGUMENTS) {
   ALIGNED_FRAME;
   const int y = y0 + row_of(get_global_id(1), y1 - y0, step);
@@ -123,11 +128,12 @@ kernel void svgf_variance_spatial(PASS_ARGUMENTS) {
 #else
     const vi young = valid;
 #endif
+    const vf direct0 = load(from + 6 * plane + p), indirect0 = load(from + 7 * plane + p);
     vf sum = 1.0f, direct1 = 0.0f, direct2 = 0.0f, indirect1 = 0.0f, indirect2 = 0.0f;
     FOR_EACH_CHORD(3, depth_scale(s, i, j, k.x), {
       const vf w = geometry_weight(s, guides, plane, q, scale);
-      const vf direct = luminance_step(to, plane, p, q);
-      const vf indirect = luminance_step(to + 3 * plane, plane, p, q);
+      const vf direct = load(from + 6 * plane + q) - direct0;
+      const vf indirect = load(from + 7 * plane + q) - indirect0;
       sum += w;
       direct1 = fma(w, direct, direct1);
       direct2 = fma(w, direct * direct, direct2);
@@ -199,12 +205,22 @@ INLINE void find_scales(global const float* guides, global const float* variance
 INLINE void gather(Light* a, Source from, long plane, size_t q, Likeness like) {
   const vf r = load(from.light + q) - a->r, g = load(from.light + plane + q) - a->g,
            b = load(from.light + 2 * plane + q) - a->b;
-  const vf w = like.factor * weight_of(fma(fabs(luminance(r, g, b)), -a->scale, like.exponent));
+  const vf w = weight(like, fma(fabs(luminance(r, g, b)), -a->scale, like.exponent));
   a->sum += w;
   a->red = fma(w, r, a->red);
   a->green = fma(w, g, a->green);
   a->blue = fma(w, b, a->blue);
   a->variance = fma(w * w, load(from.variance + q), a->variance);
+}
+
+#define TAPS 24
+
+// The light at p with all that its window adds: from the last of the taps (their distances from p) to the first.
+INLINE Light gathered(Source from, long plane, size_t p, vf scale, const long* taps, const Likeness* like) {
+  Light a = light_at(from, plane, p, scale);
+#pragma nounroll
+  for (int n = TAPS - 1; n >= 0; --n) gather(&a, from, plane, p + taps[n], like[n]);
+  return a;
 }
 
 // p plus the mean difference, not the mean: a constant picture comes back bit for bit.
@@ -231,13 +247,16 @@ INLINE Passed passed_at(global const float* guides, global const float* from, in
   const Surface s = surface_at(guides, stride, plane, p, k.y);
   vf scales[2];
   find_scales(guides, from + 6 * plane, stride, plane, p, k, scales);
-  const Source first = source_of(from, plane, 0), second = source_of(from, plane, 1);
-  Light direct = light_at(first, plane, p, scales[0]), indirect = light_at(second, plane, p, scales[1]);
+  // The geometry and both lights have a loop each, for together they take more registers than there are.
+  Likeness like[TAPS];
+  long taps[TAPS];
   FOR_EACH_CHORD(2, depth_scale(s, i, j, k.x), {
-    const Likeness like = likeness(s, guides, plane, q, scale, OF_ONE + kLogB3[i + 2] + kLogB3[j + 2]);
-    gather(&direct, first, plane, q, like);
-    gather(&indirect, second, plane, q, like);
+    const int n = 2 * left - (end < 0 ? 1 : 2);
+    like[n] = likeness(s, guides, plane, q, scale, OF_ONE + kLogB3[i + 2] + kLogB3[j + 2]);
+    taps[n] = end * chord;
   })
+  const Light direct = gathered(source_of(from, plane, 0), plane, p, scales[0], taps, like);
+  const Light indirect = gathered(source_of(from, plane, 1), plane, p, scales[1], taps, like);
   Passed a;
   a.valid = s.z < (vf)INFINITY;
   filtered_light(&direct, a.valid, a.light);
@@ -249,7 +268,6 @@ INLINE Passed passed_at(global const float* guides, global const float* from, in
 
 // kept: whether the light is, too.
 kernel void svgf_level(PASS_ARGUMENTS, KEPT_ARGUMENTS) {
-  ALIGNED_FRAME;
   const int y = y0 + row_of(get_global_id(1), y1 - y0, step);
   if (y >= y1) return;
   FOR_EACH_VECTOR(x, x0, x1) {
@@ -266,7 +284,6 @@ kernel void svgf_level(PASS_ARGUMENTS, KEPT_ARGUMENTS) {
 // The last one makes the picture. to: RGB over the pixels [px0, px1) x [py0, py1) of the outer region.
 kernel void svgf_last_level(PASS_ARGUMENTS, KEPT_ARGUMENTS, global const float* restrict input, int w, int h, int px0,
                             int py0, int px1, int py1) {
-  ALIGNED_FRAME;
   const int y = y0 + row_of(get_global_id(1), y1 - y0, step);
   const size_t area = (size_t)(px1 - px0) * (py1 - py0);
   if (y >= y1) return;

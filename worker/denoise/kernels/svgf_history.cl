@@ -51,8 +51,8 @@ INLINE vi kept_at(global const float* past, size_t area, Tap tap, const vf* ligh
   return fit & (value[KEPT_LENGTH] >= (vf)1.0f) & (value[KEPT_LENGTH] <= (vf)LONGEST_HISTORY);
 }
 
-// guides, signal, raw: as `prepare` makes them, but accumulated, with MOMENTS the signal's variance too; guides' plane
-// 4 is the history's length. alpha: of light, of the moments. Keeps all but the light, and that if `kept` says so.
+// guides, signal, raw: as `prepare` makes them, but of what is accumulated; with MOMENTS the signal's variance, too.
+// Guides' plane 4 is the history's length. alpha: of light, of the moments. Keeps all but the light, and that if `kept` says so.
 kernel void svgf_accumulate(global const float* restrict input, int w, int h, global float* restrict guides,
                             global float* restrict signal, global float* restrict raw, int stride, long plane,
                             long origin, PAST_ARGUMENTS, KEPT_ARGUMENTS, float2 alpha, int plain) {
@@ -99,6 +99,7 @@ kernel void svgf_accumulate(global const float* restrict input, int w, int h, gl
       statistics[2 * s] = bright[s] + step;
       statistics[2 * s + 1] = variance > (vf)0.0f ? variance : (vf)0.0f;
       store(statistics[2 * s + 1], signal + (6 + s) * plane + p);
+      store(brightness(mixed + 3 * s), raw + (6 + s) * plane + p);
     }
 #else
     const vf share = weight_of_now(length, alpha.x, plain), squared = (1.0f - share) * (1.0f - share) * per_sum;
