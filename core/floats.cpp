@@ -6,16 +6,16 @@
 #include <cstdlib>
 
 namespace tessera {
-namespace {
-
-constexpr std::size_t kLine = 64, kLargePage = 2 << 20;
-
-}  // namespace
 
 void* plane_memory(std::size_t bytes) {
-  const bool large = bytes >= 2 * kLargePage;
+  constexpr std::size_t kLargePage = 2 << 20;
+  const bool large = bytes >= 4 * kLargePage;  // what alignment may waste is little then
   void* memory = nullptr;
-  if (posix_memalign(&memory, large ? kLargePage : kLine, bytes) != 0) throw std::bad_alloc();
+  if (large)
+    memory = std::aligned_alloc(kLargePage, (bytes + kLargePage - 1) / kLargePage * kLargePage);
+  else
+    memory = std::malloc(bytes);
+  if (!memory && bytes > 0) throw std::bad_alloc();
 #ifdef MADV_HUGEPAGE
   if (large) madvise(memory, bytes, MADV_HUGEPAGE);  // advice: that it is not taken is no failure
 #endif

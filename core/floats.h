@@ -9,9 +9,9 @@
 
 namespace tessera {
 
-// Memory for a plane or many, aligned to cache lines at least. From some megabytes on in large pages where the system
-// has them to give: who walks dozens of planes at once is on a page of its own in each otherwise, and a first touch of
-// each small page costs more than what is done with it. Throws std::bad_alloc.
+// Memory for a plane or many, from 8 MiB on in large pages (and aligned to them) where the system has them to give: who
+// walks dozens of planes at once is on a page of its own in each otherwise, and a first touch of each small page costs
+// more than what is done with it. Throws std::bad_alloc.
 void* plane_memory(std::size_t bytes);
 void free_plane_memory(void* memory) noexcept;
 
@@ -20,7 +20,7 @@ struct Unset {
   using value_type = T;
   Unset() = default;
   template <class U>
-  Unset(const Unset<U>&) {}
+  Unset(const Unset<U>&) noexcept {}
   T* allocate(std::size_t n) { return static_cast<T*>(plane_memory(n * sizeof(T))); }
   void deallocate(T* p, std::size_t) noexcept { free_plane_memory(p); }
   template <class U>

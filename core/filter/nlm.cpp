@@ -109,14 +109,14 @@ NlmShape nlm_shape(const ParameterValues& v) {
 // Numbers are of one offset; what a pair of pixels shares counts half. Down a column as many rows as the
 // patch's radius are summed first.
 double nlm_flops(const NlmShape& s) {
-  const double reciprocals = s.halves == 2 ? 3 + 11 : 11;
+  const double reciprocals = s.halves == 2 ? 3 + 1 : 1;
   const double distance = 0.5 * s.channels * (reciprocals + s.halves * (1 + 1 + 1 + 3 * 2)) + s.halves;
   const double sums = (s.patch + 1) + 2.0 * s.patch;
   return s.offsets() * (distance + s.halves * (sums + 2 + 1 + kNumberFlops + 1 + 1 + 3 * s.channels));
 }
 
 double nlm_mean_of_exp_flops(const NlmShape& s) {
-  const double pair = 1 + 1 + 11 + 1 + 2 + kNumberFlops + (s.patch + 1) + 2.0 * s.patch;
+  const double pair = 1 + 1 + 1 + 1 + 1 + kNumberFlops + (s.patch + 1) + 2.0 * s.patch;
   return s.offsets() * (0.5 * pair + 1 + 1 + 2);
 }
 

@@ -84,7 +84,7 @@ std::vector<Pass> passes(const ParameterValues& values) {
   }
   if (values.find("variance")->second == from_picture)
     all.push_back({"svgf_variance_spatial", 1, 3,
-                   48 * (kGeometry + kChord + kLevelWeightFlops + 2 + 2 * 17) + 40, 4 + 6 + 2});
+                   48 * (kGeometry + kChord + kLevelWeightFlops + 2 + 2 * 6) + 40, 4 + 2 + 2});
   else
     all.push_back(
         {"svgf_variance_samples", 1, 3, 48 * (kGeometry + kChord + kLevelWeightFlops + 6) + 20, 4 + 2 + 2});

@@ -26,6 +26,10 @@ struct KernelTime {
 
 // A buffer that outlives the filter runs that use it.
 struct Workspace {
+  Workspace() = default;
+  Workspace(Workspace&&) = default;  // never a copy: its buffer would be in the other's memory
+  Workspace& operator=(Workspace&&) = default;
+
   Floats memory;  // the buffer's, where the device shares ours
   cl::Buffer buffer;
   std::size_t room = 0;  // floats

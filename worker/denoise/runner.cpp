@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <new>
 
 #include "core/error.h"
 #include "worker/denoise/programs.h"
@@ -45,6 +46,9 @@ Image filter(Device& device, const FilterPlan& plan, const Image& input, const T
     return stage.finish();
   } catch (const cl::Error& e) {
     rethrow(e, cl.info());
+  } catch (const std::bad_alloc&) {
+    throw Error(ExitCode::out_of_memory,
+                fmt::format("filter '{}': not enough memory; smaller tiles need less", plan.name));
   }
 }
 

@@ -147,12 +147,16 @@ INLINE vf filtered_or_kept(vi valid, vf filtered, vf color) {
 // finite; the same one is used on the way back.
 vf albedo_floored(vf albedo) { return albedo > (vf)1e-3f ? albedo : (vf)1e-3f; }
 
-// Of a kernel that has more vectors than there are registers. Those that go to memory for a while lie there aligned only
-// if the whole frame does, which the compiler (LLVM) must know before it finds them: a vector that has to be in memory
-// from the beginning tells it. Without, each of them lies across two cache lines.
-#define ALIGNED_FRAME \
+// Of a kernel that has more vectors than there are registers. Those that go to memory for a while lie there aligned
+// only if the whole frame does, which the compiler (LLVM) must know before it finds them: a vector that has to be in
+// memory from the beginning tells it. Without, each of them lies across two cache lines.
+#if VW == 1
+#define ALIGNED_FRAME
+#else
+#define ALIGNED_FRAME    \
   volatile vf in_memory; \
   in_memory = 0.0f
+#endif
 
 // One work-item walks a row, or its share of one, VW pixels at a time.
 #define FOR_EACH_VECTOR(x, begin, end) \

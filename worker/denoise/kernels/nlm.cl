@@ -203,8 +203,8 @@ INLINE void nlm_add(global const float* p, global const float* q, int pitch, con
   }
 }
 
-// Adds what the offsets of the group give to the vector of pixels at (i, row) of the tile. acc: NlmSums, plane by plane.
-// Where no weight of a vector is above the threshold, nothing is added, which is as good as zeros.
+// Adds what the offsets of the group give to the vector of pixels at (i, row) of the tile. acc: NlmSums, plane by
+// plane. Where no weight of a vector is above the threshold, nothing is added, which is as good as zeros.
 INLINE void nlm_gather(global const float* own, NlmTile t, int i, int row, NlmScales k, float lowered,
                        global const float* sums, global float* acc, const int whole) {
   global const float* p = own + nlm_own(t, NLM_PLANES, i, row);

@@ -14,10 +14,8 @@
 
 #if VW == 1
 #define convert_vf convert_float
-#define ANY(v) (v)
 #else
 #define convert_vf JOIN(convert_float, VW)
-#define ANY(v) any(v)
 #endif
 
 kernel void prepare(global const float* restrict input, int w, int h, global float* restrict guides,
@@ -93,7 +91,7 @@ void keep_row(global const float* input, int w, int h, int x, int y, global floa
         store(bin, history + b * STRIDE + v);
         sum += bin;
       }
-      fours |= ANY(sum != (vf)0.0f) ? 1 << four : 0;
+      fours |= any_lane(sum != (vf)0.0f) ? 1 << four : 0;
     }
     history[(BINS * STRIDE) + v / VW] = as_float(fours);
   }

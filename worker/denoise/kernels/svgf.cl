@@ -106,6 +106,12 @@ kernel void svgf_variance_samples(PASS_ARGUMENTS) {
   }
 }
 
+// Kept where its square is finite.
+vf bounded_step(vf d) {
+  d = d < (vf)1e18f ? d : (vf)1e18f;
+  return d > (vf)-1e18f ? d : (vf)-1e18f;
+}
+
 vf variance_of(vf sum, vf first, vf second) {
   const vf mean = first / sum, v = second / sum - mean * mean;
   return v > (vf)0.0f ? v : (vf)0.0f;
@@ -132,8 +138,8 @@ kernel void svgf_variance_spatial(PASS_ARGUMENTS) {
     vf sum = 1.0f, direct1 = 0.0f, direct2 = 0.0f, indirect1 = 0.0f, indirect2 = 0.0f;
     FOR_EACH_CHORD(3, depth_scale(s, i, j, k.x), {
       const vf w = geometry_weight(s, guides, plane, q, scale);
-      const vf direct = load(from + 6 * plane + q) - direct0;
-      const vf indirect = load(from + 7 * plane + q) - indirect0;
+      const vf direct = bounded_step(load(from + 6 * plane + q) - direct0);
+      const vf indirect = bounded_step(load(from + 7 * plane + q) - indirect0);
       sum += w;
       direct1 = fma(w, direct, direct1);
       direct2 = fma(w, direct * direct, direct2);
@@ -215,11 +221,11 @@ INLINE void gather(Light* a, Source from, long plane, size_t q, Likeness like) {
 
 #define TAPS 24
 
-// The light at p with all that its window adds: from the last of the taps (their distances from p) to the first.
+// The light at p with all that its window adds. taps: their distances from p.
 INLINE Light gathered(Source from, long plane, size_t p, vf scale, const long* taps, const Likeness* like) {
   Light a = light_at(from, plane, p, scale);
 #pragma nounroll
-  for (int n = TAPS - 1; n >= 0; --n) gather(&a, from, plane, p + taps[n], like[n]);
+  for (int n = 0; n < TAPS; ++n) gather(&a, from, plane, p + taps[n], like[n]);
   return a;
 }
 
@@ -250,10 +256,10 @@ INLINE Passed passed_at(global const float* guides, global const float* from, in
   // The geometry and both lights have a loop each, for together they take more registers than there are.
   Likeness like[TAPS];
   long taps[TAPS];
+  int n = 0;
   FOR_EACH_CHORD(2, depth_scale(s, i, j, k.x), {
-    const int n = 2 * left - (end < 0 ? 1 : 2);
-    like[n] = likeness(s, guides, plane, q, scale, OF_ONE + kLogB3[i + 2] + kLogB3[j + 2]);
-    taps[n] = end * chord;
+    taps[n] = (long)q - (long)p;
+    like[n++] = likeness(s, guides, plane, q, scale, OF_ONE + kLogB3[i + 2] + kLogB3[j + 2]);
   })
   const Light direct = gathered(source_of(from, plane, 0), plane, p, scales[0], taps, like);
   const Light indirect = gathered(source_of(from, plane, 1), plane, p, scales[1], taps, like);

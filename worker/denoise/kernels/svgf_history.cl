@@ -15,11 +15,6 @@
 #define KEPT_TRACE (KEPT_LENGTH + 1)
 #define TOTALS (KEPT_LENGTH + 1)
 
-INLINE vf clamped_step(vf d) {
-  d = d < (vf)1e18f ? d : (vf)1e18f;
-  return d > (vf)-1e18f ? d : (vf)-1e18f;
-}
-
 INLINE vi variance_like(vf v) { return (v >= (vf)0.0f) & (v <= (vf)LARGEST_VARIANCE); }
 
 // What a tap keeps, as numbers to be averaged: light and luminance less that of now, variances as they are, the moment
@@ -37,7 +32,7 @@ INLINE vi kept_at(global const float* past, size_t area, Tap tap, const vf* ligh
   for (int s = 0; s < 2; ++s) {
     const vf mean = at_tap(past + (6 + 2 * s) * area, tap), variance = at_tap(past + (7 + 2 * s) * area, tap);
     fit &= ordinary(mean) & variance_like(variance);
-    value[6 + 2 * s] = clamped_step(mean - bright[s]);
+    value[6 + 2 * s] = bounded_step(mean - bright[s]);
     value[7 + 2 * s] = fma(value[6 + 2 * s], value[6 + 2 * s], variance);
   }
 #else
@@ -52,7 +47,8 @@ INLINE vi kept_at(global const float* past, size_t area, Tap tap, const vf* ligh
 }
 
 // guides, signal, raw: as `prepare` makes them, but of what is accumulated; with MOMENTS the signal's variance, too.
-// Guides' plane 4 is the history's length. alpha: of light, of the moments. Keeps all but the light, and that if `kept` says so.
+// Guides' plane 4 is the history's length. alpha: of light, of the moments. Keeps all but the light, and that if `kept`
+// says so.
 kernel void svgf_accumulate(global const float* restrict input, int w, int h, global float* restrict guides,
                             global float* restrict signal, global float* restrict raw, int stride, long plane,
                             long origin, PAST_ARGUMENTS, KEPT_ARGUMENTS, float2 alpha, int plain) {
@@ -99,7 +95,7 @@ kernel void svgf_accumulate(global const float* restrict input, int w, int h, gl
       statistics[2 * s] = bright[s] + step;
       statistics[2 * s + 1] = variance > (vf)0.0f ? variance : (vf)0.0f;
       store(statistics[2 * s + 1], signal + (6 + s) * plane + p);
-      store(brightness(mixed + 3 * s), raw + (6 + s) * plane + p);
+      store(luminance(mixed[3 * s], mixed[3 * s + 1], mixed[3 * s + 2]), raw + (6 + s) * plane + p);
     }
 #else
     const vf share = weight_of_now(length, alpha.x, plain), squared = (1.0f - share) * (1.0f - share) * per_sum;

@@ -70,13 +70,6 @@ INLINE void keep_light(const vf* light, KEPT_ARGUMENTS, int x, int y) {
   for (int c = 0; c < 6; ++c) store_between(light[c], out + c * area, x, kept_x0, kept_x1);
 }
 
-// Luminance of one kind of light, kept where squares of differences are finite, and sums of them.
-INLINE vf brightness(const vf* light) {
-  const vf b = luminance(light[0], light[1], light[2]);
-  const vf least = b < (vf)1e18f ? b : (vf)1e18f;
-  return least > (vf)-1e18f ? least : (vf)-1e18f;
-}
-
 // Of a single frame. With a history svgf_accumulate takes its place.
 kernel void prepare(global const float* restrict input, int w, int h, global float* restrict guides,
                     global float* restrict signal, global float* restrict raw, int stride, long plane, long origin) {
@@ -92,7 +85,7 @@ kernel void prepare(global const float* restrict input, int w, int h, global flo
 #pragma unroll
     for (int c = 0; c < 2; ++c) {
 #ifdef MOMENTS
-      store(brightness(s.light + 3 * c), raw + (6 + c) * plane + p);
+      store(luminance(s.light[3 * c], s.light[3 * c + 1], s.light[3 * c + 2]), raw + (6 + c) * plane + p);
 #else
       store(s.variance[c], raw + (6 + c) * plane + p);
 #endif
