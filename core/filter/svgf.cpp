@@ -77,10 +77,11 @@ std::vector<Pass> passes(const ParameterValues& values) {
   std::vector<Pass> all;
   if (with_history(values)) {
     const int statistics = kept_statistics(values);
+    const double luminance = values.find("variance")->second == from_picture ? 2 : 0;
     constexpr double kSignal = 8 + 8,
                      kGuides = 1 + 1 + 1;  // both ways; validity, depth, the history's length
     all.push_back(
-        accumulation("svgf_accumulate", 6 + statistics, kSignal + kGuides + statistics + kTracePlanes));
+        accumulation("svgf_accumulate", 6 + statistics, kSignal + kGuides + luminance + statistics + kTracePlanes));
   }
   if (values.find("variance")->second == from_picture)
     all.push_back({"svgf_variance_spatial", 1, 3,
