@@ -32,10 +32,12 @@ std::int64_t number_at(std::string_view bytes, std::size_t i) {
 // Bytes of attributes of one length, which OpenEXR reads whatever size they state: behind another one it would take
 // anything for the next attribute, and make room for what that states.
 constexpr std::pair<std::string_view, std::size_t> kLengths[] = {
-    {"box2f", 16},   {"box2i", 16},   {"chromaticities", 32}, {"compression", 1}, {"deepImageState", 1}, {"double", 8},
-    {"envmap", 1},   {"float", 4},    {"int", 4},             {"keycode", 28},    {"lineOrder", 1},      {"m33d", 72},
-    {"m33f", 36},    {"m44d", 128},   {"m44f", 64},           {"rational", 8},    {"tiledesc", 9},       {"timecode", 8},
-    {"v2d", 16},     {"v2f", 8},      {"v2i", 8},             {"v3d", 24},        {"v3f", 12},           {"v3i", 12}};
+    {"box2f", 16},         {"box2i", 16},  {"chromaticities", 32}, {"compression", 1},
+    {"deepImageState", 1}, {"double", 8},  {"envmap", 1},          {"float", 4},
+    {"int", 4},            {"keycode", 28}, {"lineOrder", 1},      {"m33d", 72},
+    {"m33f", 36},          {"m44d", 128},  {"m44f", 64},           {"rational", 8},
+    {"tiledesc", 9},       {"timecode", 8}, {"v2d", 16},           {"v2f", 8},
+    {"v2i", 8},            {"v3d", 24},    {"v3f", 12},            {"v3i", 12}};
 
 // Whether a list of channels ends where its attribute does: a name, 16 bytes, and so on, up to an empty name.
 bool is_channel_list(std::string_view value) {

@@ -30,7 +30,8 @@ bool fits(const std::string& attributes) {
 TEST(ExrHeader, OfValuesAsLongAsTheirTypesFits) {
   EXPECT_TRUE(fits(attribute("channels", "chlist", kChannel + kChannel + kEnd)));
   EXPECT_TRUE(fits(attribute("channels", "chlist", kEnd)));
-  EXPECT_TRUE(fits(attribute("dataWindow", "box2i", std::string(16, '\0')) + attribute("compression", "compression", "\1")));
+  EXPECT_TRUE(fits(attribute("dataWindow", "box2i", std::string(16, '\0')) +
+                   attribute("compression", "compression", "\1")));
   EXPECT_TRUE(fits(attribute("preview", "preview", number(2) + number(3) + std::string(24, 'p'))));
   EXPECT_TRUE(fits(attribute("owner", "string", "anybody") + attribute("ours", "unheard of", "12345")));
 }
