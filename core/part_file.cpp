@@ -53,11 +53,17 @@ bool PartFile::open_shared() {
   return false;
 }
 
+// Locked as a sign that it is not left over: who removes such files may have it before that.
 void PartFile::open_own() {
   own_ = true;
-  part_ = PendingFile(file_).temporary();
-  descriptor_ = open(part_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
-  if (descriptor_ >= 0) flock(descriptor_, LOCK_EX | LOCK_NB);  // a sign that it is not left over
+  for (;;) {
+    part_ = PendingFile(file_).temporary();
+    descriptor_ = open(part_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+    if (descriptor_ < 0) return;
+    const bool taken = flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    if (!taken && is_at(descriptor_, part_)) return;
+    close();
+  }
 }
 
 void PartFile::take_up() {

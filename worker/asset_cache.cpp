@@ -44,8 +44,9 @@ bool link_or_copy(const fs::path& from, const fs::path& to) {
   PendingFile pending(to);
   std::error_code error;
   fs::create_hard_link(from, pending.temporary(), error);
+  if (error && error != std::errc::no_such_file_or_directory) fs::copy_file(from, pending.temporary(), error);
   if (error == std::errc::no_such_file_or_directory) return false;
-  if (error) fs::copy_file(from, pending.temporary());
+  if (error) throw fs::filesystem_error("copy", from, to, error);
   pending.commit();
   return true;
 }
@@ -151,7 +152,7 @@ OpenBundle AssetCache::open(const Digest& digest, const FetchBlob& fetch) {
   return told([&] {
     fs::path lock_file = tree(digest);
     lock_file += ".lock";
-    OpenBundle open{{}, tree(digest) / "files", FileLock::shared(lock_file)};
+    OpenBundle open{{}, tree(digest) / "files", hold(options_.folder, lock_file)};
     touch(lock_file);
     open.bundle = manifest_of(digest, fetch);
     if (!fs::exists(tree(digest))) {

@@ -5,6 +5,7 @@
 //   bundles/<digest>/files/...  the files of a bundle under their names: hard links to blobs
 //   bundles/<digest>/manifest   its text
 //   bundles/<digest>.lock       held, shared, by all who use it; its time is that of the last use
+//   room.lock                   held by who makes room, or begins to use a bundle
 //
 // Things appear by being renamed, so several processes may share the folder; they may fetch the same file
 // twice. What has not been used for the longest goes when the limit is reached; what is in use never does.

@@ -46,17 +46,21 @@ std::uint64_t bytes_in(const fs::path& folder) {
   return bytes;
 }
 
-// A file that is being fetched is locked (core/part_file.h).
-bool is_being_fetched(const fs::path& file) { return file.has_extension() && !FileLock::alone(file); }
+// Unless it is being fetched: then it is locked (core/part_file.h). Nor can that begin while it is removed.
+bool drop_blob(const fs::path& file) {
+  std::shared_ptr<FileLock> lock;
+  if (file.has_extension() && !(lock = FileLock::alone(file))) return false;
+  std::error_code none;
+  fs::remove(file, none);
+  return true;
+}
 
 void drop_loose_blobs(const fs::path& blobs, std::uint64_t most, const std::set<Digest>& keep) {
   std::uint64_t bytes = bytes_in(blobs);
   for (const Thing& thing : things_in(blobs)) {
     if (bytes <= most) return;
-    if (thing.linked || keep.contains(thing.path.stem().string()) || is_being_fetched(thing.path)) continue;
-    std::error_code none;
-    fs::remove(thing.path, none);
-    bytes -= thing.bytes;
+    if (thing.linked || keep.contains(thing.path.stem().string())) continue;
+    if (drop_blob(thing.path)) bytes -= thing.bytes;
   }
 }
 
@@ -78,13 +82,21 @@ void drop_bundle(const fs::path& lock_file) {
   fs::remove(lock_file, none);
 }
 
+fs::path turn_file(const fs::path& folder) { return folder / "room.lock"; }
+
 }  // namespace
+
+std::shared_ptr<FileLock> hold(const fs::path& folder, const fs::path& lock_file) {
+  const auto turn = FileLock::in_turn(turn_file(folder));
+  return FileLock::shared(lock_file);
+}
 
 void make_room(const fs::path& folder, std::uint64_t limit, std::uint64_t needed,
                const std::set<Digest>& keep) {
   const fs::path blobs = folder / "blobs";
   const std::uint64_t most = limit - std::min(limit, needed);
   if (bytes_in(blobs) <= most) return;
+  const auto turn = FileLock::in_turn(turn_file(folder));
   drop_loose_blobs(blobs, most, keep);
   for (const Thing& lock : things_in(folder / "bundles")) {
     if (bytes_in(blobs) <= most) return;

@@ -40,13 +40,17 @@ std::shared_ptr<FileLock> FileLock::take(const std::filesystem::path& file, int 
   }
 }
 
-std::shared_ptr<FileLock> FileLock::shared(const std::filesystem::path& file) {
-  auto lock = take(file, LOCK_SH);
+std::shared_ptr<FileLock> FileLock::wait(const std::filesystem::path& file, int operation) {
+  auto lock = take(file, operation);
   if (!lock)
     throw Error(ExitCode::internal_error,
                 fmt::format("{}: cannot be locked: {}", file.string(), std::strerror(errno)));
   return lock;
 }
+
+std::shared_ptr<FileLock> FileLock::shared(const std::filesystem::path& file) { return wait(file, LOCK_SH); }
+
+std::shared_ptr<FileLock> FileLock::in_turn(const std::filesystem::path& file) { return wait(file, LOCK_EX); }
 
 std::shared_ptr<FileLock> FileLock::alone(const std::filesystem::path& file) {
   return take(file, LOCK_EX | LOCK_NB);
