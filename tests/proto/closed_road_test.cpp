@@ -53,7 +53,7 @@ TEST_F(ClosedRoad, LetsInTheKeysOnItsListAndSaysWhoTheyAre) {
 TEST_F(ClosedRoad, RefusesAKeyThatIsNotOnItsListAndTellsItsOwner) {
   const auto stranger = farm.dealer(kStranger);
   expect_refused(farm, *stranger, kStranger.public_key);
-  EXPECT_GE(farm.router.counts().refused_keys, 1u);
+  EXPECT_TRUE(farm.until([&] { return farm.router.counts().refused_keys > 0; }));
   EXPECT_TRUE(farm.says(*farm.dealer(kRack), 1));
 }
 
@@ -61,14 +61,14 @@ TEST_F(ClosedRoad, RefusesAKeyWhosePublicPartWasStolen) {
   ZmqDealer thief(farm.others, farm.endpoint(), "worker-1", {},
                   ClientKeys{{kRack.public_key, kStranger.secret_key}, {farm.server.public_key}});
   expect_refused(farm, thief, "broke off");
-  EXPECT_GE(farm.router.counts().refused_handshakes, 1u);
+  EXPECT_TRUE(farm.until([&] { return farm.router.counts().refused_handshakes > 0; }));
   EXPECT_TRUE(farm.says(*farm.dealer(kRack), 1));
 }
 
 TEST_F(ClosedRoad, RefusesPeersWithoutKeys) {
   ZmqDealer open(farm.others, farm.endpoint(), "worker-1");
   expect_refused(farm, open, "keygen");
-  EXPECT_GE(farm.router.counts().refused_handshakes, 1u);
+  EXPECT_TRUE(farm.until([&] { return farm.router.counts().refused_handshakes > 0; }));
   EXPECT_TRUE(farm.says(*farm.dealer(kRack), 1));
 }
 

@@ -88,11 +88,13 @@ TEST_F(HostileBytes, FramesThatClaimToBeHugeAreRefused) {
   serves_others();
 }
 
-// What a worker wrote, from its greeting to its first messages.
+// What a worker wrote, from its greeting to its first message. It says one only: none is on the road afterwards.
 std::string conversation(ClosedFarm& farm) {
   Wiretap tap(farm.port());
   ZmqDealer dealer(farm.others, tap.endpoint(), "worker-1", {}, ClientKeys{kRack, {farm.server.public_key}});
-  EXPECT_TRUE(farm.says(dealer, 1));
+  EXPECT_TRUE(farm.until([&] { return dealer.await(clock_now()); }));
+  dealer.send("coordinator", NeedJob{1});
+  EXPECT_TRUE(farm.until([&] { return !farm.mails.empty(); }));
   return tap.written_down();
 }
 
