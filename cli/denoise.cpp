@@ -99,11 +99,12 @@ class Denoiser {
 }  // namespace
 
 int denoise(const DenoiseOptions& o, std::ostream& out, std::ostream& problems) {
-  const NoisyFiles files(o);
+  NoisyFiles files(o);
   check_options(o, files.plan());
   DenoiseWords words(out, problems, o.quiet);
   const bool sequence = is_pattern(o.input);
   if (!sequence && files.plan().history() > 0) words.say("a single image: history=on makes no difference");
+  if (sequence) files.take_facts_of(frames_there(o.input));
   if (!o.farm.coordinator.empty()) return static_cast<int>(denoise_on_farm(o, files, words));
   Denoiser denoiser(o, files, words);
   if (sequence) return static_cast<int>(denoiser.shot(frames_of(o)));

@@ -34,6 +34,10 @@ std::set<int> wanted_frames(const DenoiseOptions& o, const std::vector<int>& the
 
 void check_options(const DenoiseOptions& o, const FilterPlan& plan) {
   const bool sequence = is_pattern(o.input);
+  if (std::filesystem::path(o.output).extension() != ".exr")
+    refuse_option("--output", o.output, "a name that ends in .exr; the PNG goes beside it");
+  if (!sequence && is_pattern(o.output))
+    refuse_option("--output", o.output, "a name without #### and %04d, as the input is a single image");
   constexpr std::string_view kSequence = "only with an input that has #### or %04d in its name";
   if (!sequence && !o.frames.empty()) refuse_option("--frames", o.frames, kSequence);
   if (sequence && !is_pattern(o.output))

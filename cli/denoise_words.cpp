@@ -3,35 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <ostream>
 
-#include "core/layers.h"
-
 namespace tessera {
-namespace {
-
-// How many pixels of each layer are not finite, and where the first one is: they come out black, or are no
-// guide.
-std::vector<std::string> broken(const FilterPlan& plan, const Image& input) {
-  std::vector<std::string> notices;
-  const std::vector<Channel> channels = plan.inputs();
-  const Region& r = input.region();
-  for (std::size_t k = 0; k < channels.size(); ++k) {
-    const auto plane = input.plane(static_cast<int>(k));
-    const auto bad = [](float v) { return !std::isfinite(v); };
-    const auto count = std::ranges::count_if(plane, bad);
-    if (count == 0) continue;
-    const auto first = std::ranges::find_if(plane, bad) - plane.begin();
-    notices.push_back(fmt::format("{}: {} pixel{} not finite, the first at ({}, {})",
-                                  file_channel(channels[k]), count, count == 1 ? " is" : "s are",
-                                  r.x0 + first % r.width(), r.y0 + first / r.width()));
-  }
-  return notices;
-}
-
-}  // namespace
 
 void DenoiseWords::say(const std::string& notice) {
   if (said_.insert(notice).second) problems_ << "tessera: " << notice << '\n';
@@ -53,7 +27,7 @@ void DenoiseWords::complain(const NoisyFrame& frame, const std::vector<std::stri
 void DenoiseWords::notices(const NoisyFrame& frame, bool written) {
   for (const std::string& notice : frame.gathered.notices) say(notice);
   complain(frame, frame.gathered.defects);
-  if (written) complain(frame, broken(frame.plan, frame.gathered.input));
+  if (written) complain(frame, frame.gathered.broken);
 }
 
 void DenoiseWords::handed_in(const JobName& job, std::size_t frames, bool backwards) {

@@ -2,13 +2,18 @@
 #include "cli/noisy_files.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 
 #include "cli/picture_options.h"
 #include "cli/version.h"
 #include "core/error.h"
+#include "core/layers.h"
+#include "core/nearest.h"
 #include "core/png.h"
 #include "core/sequence.h"
 
@@ -78,13 +83,51 @@ NoisyFiles::NoisyFiles(const DenoiseOptions& o)
 
 std::vector<NoisyFiles::Guide> NoisyFiles::guides_of(const DenoiseOptions& o) {
   std::vector<Guide> guides;
+  const std::vector<std::string> names = layer_names();
+  const std::vector<std::string_view> known(names.begin(), names.end());
   for (const std::string& text : o.guides) {
     const std::size_t sign = text.find('=');
     if (sign == 0 || sign == std::string::npos || sign + 1 == text.size())
       refuse_option("--guide", text, "LAYER=FILE, as in albedo=shot_albedo.exr");
-    guides.push_back({text.substr(0, sign), text.substr(sign + 1)});
+    const std::string layer = text.substr(0, sign);
+    if (std::ranges::find(known, layer) == known.end())
+      throw Error(ExitCode::bad_usage, fmt::format("--guide: {}; accepted: {}", unknown("layer", layer, known),
+                                                   fmt::join(known, ", ")));
+    if (std::ranges::find(guides, layer, &Guide::layer) != guides.end())
+      refuse_option("--guide", text, "one file for each layer");
+    guides.push_back({layer, text.substr(sign + 1)});
   }
   return guides;
+}
+
+void NoisyFiles::take_facts_of(const std::vector<int>& frames) {
+  if (!asks_for_scene(plan_)) return;
+  for (const int frame : frames) {
+    try {
+      facts_ = read(frame).facts;
+      return;
+    } catch (const Error& error) {  // is said when its turn comes
+      if (error.code() == ExitCode::bad_usage) throw;
+    }
+  }
+}
+
+void NoisyFiles::take_facts(NoisyFrame& frame, const Sources& sources, int number) const {
+  if (facts_) {
+    frame.facts = *facts_;
+  } else {
+    FoundFacts found = facts_of(plan_, frame.gathered.input, sources);
+    frame.facts = found.facts;
+    std::ranges::move(found.notices, std::back_inserter(frame.gathered.notices));
+  }
+  frame.facts.frame = number;
+}
+
+void NoisyFiles::say_what_is_not_taken(NoisyFrame& frame) const {
+  for (const Guide& g : guides_)
+    if (!frame.gathered.asked_for.contains(g.layer) && !(g.layer == layer_of({Aov::position, 0}) && asks_for_scene(plan_)))
+      frame.gathered.notices.push_back(
+          fmt::format("--guide {}={}: filter '{}' takes no such layer", g.layer, g.file, plan_.name));
 }
 
 NoisyFrame NoisyFiles::read(std::optional<int> number, bool backwards) const {
@@ -98,8 +141,8 @@ NoisyFrame NoisyFiles::read(std::optional<int> number, bool backwards) const {
   sources.backwards = backwards;
   for (const Guide& g : guides_) sources.separate.emplace(g.layer, read_exr(named(g.file)));
   frame.gathered = gather(plan_, sources, frame.in.string());
-  frame.facts = facts_of(plan_, frame.gathered.input, sources);
-  frame.facts.frame = number ? *number : number_in(frame.picture);
+  say_what_is_not_taken(frame);
+  take_facts(frame, sources, number ? *number : number_in(frame.picture));
   frame.plan = resolved(plan_, frame.facts);
   return frame;
 }

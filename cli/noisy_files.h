@@ -29,6 +29,9 @@ class NoisyFiles {
   explicit NoisyFiles(const DenoiseOptions&);
 
   const FilterPlan& plan() const { return plan_; }
+  // What the first of these frames that can be read tells of the scene counts for all, if the filter asks: its
+  // parameters do not change within a shot.
+  void take_facts_of(const std::vector<int>& frames);
   // `frame` replaces the places for numbers; none: there are none. A single image needs no motion.
   NoisyFrame read(std::optional<int> frame, bool backwards = false) const;
   // The picture of a frame that was read, and forgotten since. Throws InputError unless it covers the same
@@ -43,11 +46,14 @@ class NoisyFiles {
     std::string layer, file;
   };
   static std::vector<Guide> guides_of(const DenoiseOptions&);
+  void take_facts(NoisyFrame&, const Sources&, int number) const;
+  void say_what_is_not_taken(NoisyFrame&) const;
 
   const DenoiseOptions& options_;
   FilterPlan plan_;
   std::vector<Guide> guides_;
   std::optional<std::array<float, 2>> motion_scale_;
+  std::optional<SceneFacts> facts_;  // of the whole shot
 };
 
 }  // namespace tessera

@@ -31,7 +31,8 @@ FrameStyle style_of(const Submission& s, const std::string& version) {
                    .names = s.names,
                    .transparent = s.transparent,
                    .compression = s.compression,
-                   .exposure = s.exposure};
+                   .exposure = s.exposure,
+                   .facts = s.facts};
   if (!s.layers_for.empty()) style.filter_inputs = parse_filter(s.layers_for).inputs();
   return style;
 }
@@ -47,7 +48,8 @@ void write_frame(const fs::path& exr, const fs::path& png, const Job& job, const
                         .materials = style.names.materials,
                         .dropped = report.dropped,
                         .key = key,
-                        .filter_inputs = style.filter_inputs};
+                        .filter_inputs = style.filter_inputs,
+                        .facts = style.facts};
   const ExrImage image = layered(job, report.image, from);
   write_exr(exr, image, style.compression);
   write_png(png, preview(image, style.transparent), static_cast<float>(style.exposure));

@@ -19,6 +19,7 @@ struct FrameStyle {
   std::string compression = "zip";
   double exposure = 0;                      // of the preview, stops
   std::vector<Channel> filter_inputs = {};  // what another filter takes: written to all of their bits
+  SceneFacts facts = {};                    // of the scene
 };
 FrameStyle style_of(const Submission&, const std::string& version);
 

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/cryptomatte.h"
+#include "core/filter/gather.h"
 #include "core/layers.h"
 
 namespace tessera {
@@ -162,6 +163,8 @@ void add_rendering(ExrImage& exr, const Job& job, const FrameImage& frame, const
   auto& m = exr.metadata;
   const auto [least, most] = std::minmax_element(samples.data().begin(), samples.data().end());
   m["tessera/scene"] = from.scene_hash;
+  if (from.facts.diameter > 0) m[kDiameterKey] = fmt::format("{}", from.facts.diameter);
+  if (from.facts.light > 0) m[kLightKey] = fmt::format("{}", from.facts.light);
   m["tessera/samples"] =
       fmt::format("{:.0f} {:.2f} {:.0f}", *least,
                   static_cast<double>(frame.pixel_samples) / samples.region().area(), *most);

@@ -18,6 +18,7 @@ struct Provenance {
   std::uint64_t dropped = 0;                                                 // samples that were not finite
   std::string key = {};                     // of the image, see resume.h; empty: it is none to keep
   std::vector<Channel> filter_inputs = {};  // what a filter takes: written to all of their bits
+  SceneFacts facts = {};                    // what it takes of the scene
 };
 
 // Layers: R,G,B,A (filtered); noisy.*, variance.* (of the noisy mean); samples.Y; error.Y (relMSE of the

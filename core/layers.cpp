@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 
 namespace tessera {
 namespace {
@@ -75,9 +76,8 @@ constexpr std::array<std::string_view, 5> kMotionOfUnknownUnit{"motionvector", "
                                                                "MotionVectors", "VRayVelocity", "velocity"};
 
 // Vectors are X, Y, Z or R, G, B; a single number goes by several letters.
-std::vector<std::string> letters_of(const Channel& c, std::string_view own_letters) {
+std::vector<std::string> letters_of(const Channel& c) {
   const auto index = static_cast<std::size_t>(c.index);
-  if (!own_letters.empty()) return {std::string(1, own_letters[index])};
   const std::string own = file_letter(c);
   std::vector<std::string> letters{own};
   if (info(c.aov).letters == "XYZ") letters.emplace_back(1, "RGB"[index]);
@@ -85,6 +85,12 @@ std::vector<std::string> letters_of(const Channel& c, std::string_view own_lette
     for (const char* l : {"V", "Z", "Y", "R", "X"})
       if (l != own) letters.emplace_back(l);
   return letters;
+}
+
+// In a layer. Without its name only its own letters are: a picture's R is no depth.
+std::vector<std::string> letters_in(const OtherLayer& layer, const Channel& c) {
+  if (!layer.letters.empty()) return {std::string(1, layer.letters[static_cast<std::size_t>(c.index)])};
+  return layer.name.empty() ? std::vector{file_letter(c)} : letters_of(c);
 }
 
 // Of the name, or of any that ends in it after a view layer's.
@@ -109,10 +115,26 @@ std::optional<FilePlane> find_plane(const ExrImage& file, const Channel& c) {
   const std::string ours = file_layer(c);
   layers.insert(layers.begin(), {.name = ours});
   for (const OtherLayer& layer : layers)
-    for (const std::string& letter : letters_of(c, layer.letters))
+    for (const std::string& letter : letters_in(layer, c))
       if (const auto plane = named_plane(file, layer.name, letter))
         return FilePlane{*plane, c.index < 2 ? layer.scale[static_cast<std::size_t>(c.index)] : 1};
   return std::nullopt;
+}
+
+std::optional<FilePlane> find_plane_alone(const ExrImage& file, const Channel& c) {
+  if (const auto named = find_plane(file, c)) return named;
+  for (const std::string& letter : letters_of(c))
+    if (const auto plane = named_plane(file, "", letter)) return FilePlane{*plane};
+  if (const auto plane = named_plane(file, "", std::string(1, "RGB"[std::min(c.index, 2)])))
+    return FilePlane{*plane};
+  return file.pixels.planes() == 1 ? std::optional(FilePlane{0}) : std::nullopt;
+}
+
+std::optional<FilePlane> find_variance_of_samples(const ExrImage& file, const Channel& c) {
+  if (c.aov != Aov::color || c.statistic != Statistic::variance_of_mean || c.share != Share::all)
+    return std::nullopt;
+  const auto plane = named_plane(file, "Variance", file_letter(c));
+  return plane ? std::optional(FilePlane{*plane}) : std::nullopt;
 }
 
 std::optional<FilePlane> find_motion_of_unknown_unit(const ExrImage& file, const Channel& c) {
@@ -124,10 +146,27 @@ std::optional<FilePlane> find_motion_of_unknown_unit(const ExrImage& file, const
   return std::nullopt;
 }
 
+std::string layer_of(const Channel& c) {
+  const std::string whole = file_channel(c);
+  return whole.substr(0, whole.rfind('.'));
+}
+
+std::vector<std::string> layer_names() {
+  std::set<std::string> names{layer_of(kSampleCount)};
+  for (int a = 0; a < kAovs; ++a) {
+    if (!is_aov(a) || info(static_cast<Aov>(a)).channels == 0) continue;
+    for (const Statistic s : {Statistic::mean, Statistic::variance_of_mean, Statistic::third_moment})
+      for (const Share share : {Share::all, Share::a, Share::b})
+        names.insert(layer_of({static_cast<Aov>(a), 0, s, share}));
+  }
+  return {names.begin(), names.end()};
+}
+
 std::string accepted_layers(const Channel& c) {
   const std::string_view letters = c.statistic == Statistic::samples ? "Y" : info(c.aov).letters;
   const auto whole = [&](std::string_view layer, std::string_view own_letters) {
     const std::string_view all = own_letters.empty() ? letters : own_letters;
+    if (all.empty()) return std::string(layer);
     return layer.empty() ? fmt::format("{}", fmt::join(all, ", ")) : fmt::format("{}.{}", layer, all);
   };
   std::vector<std::string> others;

@@ -26,9 +26,21 @@ struct FilePlane {
 // it, with or without the name of a view layer in front.
 std::optional<FilePlane> find_plane(const ExrImage& file, const Channel&);
 
+// The same in a file of that layer alone, in which channels may go by their letters: the normal is N.X, Y, or R, G, B.
+std::optional<FilePlane> find_plane_alone(const ExrImage& file, const Channel&);
+
+// pbrt's variance, which is that of a single sample: that of the mean times the samples of the pixel. Found only for
+// the variance of Aov::color.
+std::optional<FilePlane> find_variance_of_samples(const ExrImage& file, const Channel&);
+
 // Motion as renderers write it whose unit depends on their settings or is not written down: Arnold's,
 // Redshift's and V-Ray's. Found only for Aov::motion.
 std::optional<FilePlane> find_motion_of_unknown_unit(const ExrImage& file, const Channel&);
+
+// "albedo", "N_variance", "Z", "samples": what is before the letters of file_channel().
+std::string layer_of(const Channel&);
+// Of all that a filter may take.
+std::vector<std::string> layer_names();
 
 // Of the layer as a whole, for messages: "noisy.RGB (or Noisy Image.RGB, R, G, B)".
 std::string accepted_layers(const Channel&);

@@ -12,6 +12,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "core/filter/broken_pixels.h"
 #include "core/filter/stand_ins.h"
 #include "core/layers.h"
 
@@ -27,15 +28,21 @@ class Gatherer {
 
   Gathered gather() {
     const std::vector<Channel> channels = plan_.inputs();
-    Gathered result{Image(region_, static_cast<int>(channels.size())), {}, {}};
+    Gathered result{.input = Image(region_, static_cast<int>(channels.size()))};
     for (std::size_t k = 0; k < channels.size(); ++k) {
       Plane plane = find_or_replace(in_its_time(channels[k]));
-      if (channels[k].aov == Aov::depth && channels[k].statistic == Statistic::mean) mark_sky(plane);
+      if (channels[k].aov == Aov::depth && channels[k].statistic == Statistic::mean) {
+        count_no_depths(plane, result);
+        mark_sky(plane);
+      }
       if (channels[k].aov == Aov::previous_depth) mark_sky(plane);
       std::ranges::copy(plane, result.input.plane(static_cast<int>(k)).begin());
     }
     mend_motion_of(result);
+    result.broken = broken_planes(plan_, result.input);
+    break_whole_colors(plan_, result.input);
     result.notices = std::move(notices_);
+    result.asked_for = std::move(asked_for_);
     return result;
   }
 
@@ -48,13 +55,13 @@ class Gatherer {
     return c;
   }
 
-  std::optional<Plane> find(const Channel& c) const {
+  std::optional<Plane> find(const Channel& c) {
     if (const auto own = separate(c)) return own;
     const auto plane = found_in(*sources_.picture, c);
     return plane ? std::optional(taken(*sources_.picture, *plane, c)) : std::nullopt;
   }
-  std::optional<FilePlane> found_in(const ExrImage& file, const Channel& c) const {
-    const auto plane = find_plane(file, c);
+  std::optional<FilePlane> found_in(const ExrImage& file, const Channel& c, bool alone = false) const {
+    const auto plane = alone ? find_plane_alone(file, c) : find_plane(file, c);
     return plane || !sources_.motion_scale ? plane : find_motion_of_unknown_unit(file, c);
   }
   Plane taken(const ExrImage& file, FilePlane plane, const Channel& c) const {
@@ -68,33 +75,35 @@ class Gatherer {
   }
   static bool is_motion(const Channel& c) { return c.aov == Aov::motion || c.aov == Aov::next_motion; }
 
-  // From a file of that layer: under the layer's name, or as the file's own picture.
-  std::optional<Plane> separate(const Channel& c) const {
-    const std::string whole = file_channel(c);
-    const std::string layer = whole.substr(0, whole.rfind('.'));
+  // From a file of that layer: under the layer's name, or by its letters alone.
+  std::optional<Plane> separate(const Channel& c) {
+    const std::string layer = layer_of(c);
+    asked_for_.insert(layer);
     const auto at = sources_.separate.find(layer);
     if (at == sources_.separate.end()) return std::nullopt;
     const ExrImage& file = at->second;
     if (file.pixels.region() != region_)
       throw InputError(layer, "its file covers other pixels than the picture", "files of one size and place");
-    auto plane = found_in(file, c);
-    if (!plane) plane = {file.plane(std::string(1, "RGB"[std::min(c.index, 2)]))};
-    if (plane->number < 0) plane = {std::min(c.index, file.pixels.planes() - 1)};
-    return taken(file, *plane, c);
+    if (const auto plane = found_in(file, c, true)) return taken(file, *plane, c);
+    throw InputError(layer, fmt::format("its file has no such layer; there are: {}", names_in(file)),
+                     fmt::format("{}, or its letters alone", accepted_layers(c)));
+  }
+  static std::string names_in(const ExrImage& file) {
+    std::vector<std::string> names;
+    for (const ExrChannel& e : file.channels) names.push_back(e.name);
+    return fmt::format("{}", fmt::join(names, ", "));
   }
 
   Plane find_or_replace(const Channel& c) {
     if (auto found = find(c)) return *std::move(found);
     if (auto other = replacement(c)) return *std::move(other);
-    std::vector<std::string> there;
-    for (const ExrChannel& e : sources_.picture->channels) there.push_back(e.name);
     throw InputError(name_,
                      fmt::format("filter '{}' takes {}, which is not there; there are: {}", plan_.name,
-                                 accepted_layers(c), fmt::join(there, ", ")),
+                                 accepted_layers(c), names_in(*sources_.picture)),
                      accepted_instead(c));
   }
   std::string accepted_instead(const Channel& c) const {
-    std::string text = fmt::format("a file with that layer, or --guide {}=FILE", layer(c));
+    std::string text = fmt::format("a file with that layer, or --guide {}=FILE", layer_of(c));
     if (!is_motion(c)) return text;
     if (const auto other = find_motion_of_unknown_unit(*sources_.picture, c))
       text += fmt::format(", or --motion-scale, which says how to read {}",
@@ -124,17 +133,17 @@ class Gatherer {
       case Aov::previous_depth:
       case Aov::next_depth:
         if (!sources_.resting)
-          say(fmt::format("no layer {}: surfaces count as having been as deep as they are", layer(c)));
+          say(fmt::format("no layer {}: surfaces count as having been as deep as they are", layer_of(c)));
         return find_or_replace({Aov::depth, 0});
       case Aov::geometric_normal:
-        say(fmt::format("no layer {}: the shading normals N stand in", layer(c)));
+        say(fmt::format("no layer {}: the shading normals N stand in", layer_of(c)));
         return find_or_replace({Aov::normal, c.index});
       case Aov::object_id:
       case Aov::material_id:
-        say(fmt::format("no layer {}: all surfaces count as one there", layer(c)));
+        say(fmt::format("no layer {}: all surfaces count as one there", layer_of(c)));
         return zeros();
       case Aov::depth_gradient: {
-        say(fmt::format("no layer {}: it is the difference of neighbouring depths", layer(c)));
+        say(fmt::format("no layer {}: it is the difference of neighbouring depths", layer_of(c)));
         Image depth(region_, 1, find_or_replace({Aov::depth, 0}));
         mark_sky(depth.data());
         const Image slope = depth_differences(depth);
@@ -143,6 +152,17 @@ class Gatherer {
       default:
         return std::nullopt;
     }
+  }
+
+  void count_no_depths(const Plane& plane, Gathered& gathered) const {
+    const auto bad = [](float z) { return std::isnan(z); };
+    const auto count = std::ranges::count_if(plane, bad);
+    if (count == 0) return;
+    const auto first = static_cast<int>(std::ranges::find_if(plane, bad) - plane.begin());
+    gathered.defects.push_back(fmt::format("{}: {} of {} pixels are no number, the first at ({}, {}): they count as sky",
+                                           layer_of({Aov::depth, 0}), count, region_.area(),
+                                           region_.x0 + first % region_.width(),
+                                           region_.y0 + first / region_.width()));
   }
 
   void mend_motion_of(Gathered& gathered) const {
@@ -155,7 +175,7 @@ class Gatherer {
     const int first = static_cast<int>(broken.first);
     gathered.defects.push_back(
         fmt::format("{}: {} of {} pixels lead nowhere, the first at ({}, {}): they start anew",
-                    layer(in_its_time(*at)), broken.count, region_.area(),
+                    layer_of(in_its_time(*at)), broken.count, region_.area(),
                     region_.x0 + first % region_.width(), region_.y0 + first / region_.width()));
   }
 
@@ -173,7 +193,7 @@ class Gatherer {
     return Plane(area(), static_cast<float>(mean));
   }
 
-  bool halves() const { return find({Aov::color, 0, Statistic::mean, Share::a}).has_value(); }
+  bool halves() { return find({Aov::color, 0, Statistic::mean, Share::a}).has_value(); }
 
   std::optional<Plane> of_half(const Channel& c) {
     Plane whole = find_or_replace({c.aov, c.index, c.statistic, Share::all});
@@ -188,17 +208,42 @@ class Gatherer {
   std::optional<Plane> variance(const Channel& c) {
     const bool light = c.aov == Aov::color || c.aov == Aov::direct || c.aov == Aov::indirect;
     if (!light) {
-      say(fmt::format("no layer {}: {} counts as free of noise", layer(c), info(c.aov).name));
+      say(fmt::format("no layer {}: {} counts as free of noise", layer_of(c), layer_of({c.aov, c.index})));
       return zeros();
     }
-    say(fmt::format("no layer {}: it is estimated from the picture, where detail counts as noise", layer(c)));
+    if (c.aov == Aov::color) {
+      if (auto of_samples = variance_of_samples(c)) return of_samples;
+    } else if (is_one_light(c)) {
+      return variance_of_one_light(c);
+    }
+    say(fmt::format("no layer {}: it is estimated from the picture, where detail counts as noise", layer_of(c)));
     Image mean(region_, 1, find_or_replace({c.aov, c.index}));
     return std::move(estimated_variance(mean)).release();
   }
 
+  // What is known of one sample, as that of the mean.
+  std::optional<Plane> variance_of_samples(const Channel& c) {
+    const auto at = find_variance_of_samples(*sources_.picture, c);
+    if (!at) return std::nullopt;
+    const auto n = find(kSampleCount) ? find(kSampleCount) : samples(kSampleCount);
+    if (!n) {
+      say("Variance is that of single samples, and there is no telling how many a pixel has: --samples N says it");
+      return std::nullopt;
+    }
+    Plane variance = taken(*sources_.picture, *at, c);
+    for (std::size_t i = 0; i < variance.size(); ++i) variance[i] /= std::max((*n)[i], 1.0f);
+    return variance;
+  }
+
+  bool is_one_light(const Channel& c) { return !find({Aov::direct, c.index}) && !find({Aov::indirect, c.index}); }
+  // That of the picture, for direct light.
+  Plane variance_of_one_light(const Channel& c) {
+    if (c.aov == Aov::indirect) return zeros();
+    return find_or_replace({Aov::color, c.index, Statistic::variance_of_mean});
+  }
   // All light but the emission as direct light.
   std::optional<Plane> one_light(const Channel& c) {
-    if (find({Aov::direct, c.index}) || find({Aov::indirect, c.index})) return std::nullopt;
+    if (!is_one_light(c)) return std::nullopt;
     say("no layers direct and indirect: their light is filtered as one");
     if (c.aov == Aov::indirect) return zeros();
     Plane light = find_or_replace({Aov::color, c.index});
@@ -207,10 +252,6 @@ class Gatherer {
     return light;
   }
 
-  std::string layer(const Channel& c) const {
-    const std::string whole = file_channel(c);
-    return whole.substr(0, whole.rfind('.'));
-  }
   void say(std::string what) {
     if (said_.insert(what).second) notices_.push_back(std::move(what));
   }
@@ -221,7 +262,7 @@ class Gatherer {
   const Sources& sources_;
   const std::string& name_;
   Region region_;
-  std::set<std::string> said_;
+  std::set<std::string> said_, asked_for_;
   std::vector<std::string> notices_;
 };
 
@@ -229,38 +270,6 @@ class Gatherer {
 
 Gathered gather(const FilterPlan& plan, const Sources& sources, const std::string& name_of_picture) {
   return Gatherer(plan, sources, name_of_picture).gather();
-}
-
-SceneFacts facts_of(const FilterPlan& plan, const Image& input, const Sources& sources) {
-  const std::vector<Channel> inputs = plan.inputs();
-  const auto depth_at = std::ranges::find(inputs, Channel{Aov::depth, 0});
-  const auto sky = [&](std::size_t i) {
-    return depth_at != inputs.end() &&
-           input.plane(static_cast<int>(depth_at - inputs.begin()))[i] >= kSkyDepth;
-  };
-  const ExrImage& picture = *sources.picture;
-  std::array<float, 3> low, high;
-  low.fill(std::numeric_limits<float>::max());
-  high.fill(std::numeric_limits<float>::lowest());
-  double farthest = 0;
-  const auto area = static_cast<std::size_t>(input.region().area());
-  for (int c = 0; c < 3; ++c) {
-    const auto plane = find_plane(picture, {Aov::position, c});
-    for (std::size_t i = 0; plane && i < area; ++i) {
-      const float v = picture.pixels.plane(plane->number)[i];
-      if (sky(i) || !std::isfinite(v)) continue;
-      low[static_cast<std::size_t>(c)] = std::min(low[static_cast<std::size_t>(c)], v);
-      high[static_cast<std::size_t>(c)] = std::max(high[static_cast<std::size_t>(c)], v);
-    }
-  }
-  if (depth_at != inputs.end())
-    for (std::size_t i = 0; i < area; ++i)
-      if (!sky(i))
-        farthest = std::max(farthest, double(input.plane(static_cast<int>(depth_at - inputs.begin()))[i]));
-  double squares = 0;
-  for (std::size_t c = 0; c < 3; ++c)
-    if (high[c] > low[c]) squares += (double(high[c]) - low[c]) * (double(high[c]) - low[c]);
-  return {.diameter = squares > 0 ? std::sqrt(squares) : farthest};
 }
 
 }  // namespace tessera

@@ -5,6 +5,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -29,17 +30,29 @@ struct Gathered {
   Image input;                       // plan.inputs() over the picture's data window
   std::vector<std::string> notices;  // what was not there, and what stands in for it
   std::vector<std::string> defects;  // what is broken in this picture
+  std::vector<std::string> broken;   // how many pixels of which plane are not finite: they come out black
+  std::set<std::string> asked_for;   // layers that were looked for
 };
 
 // Depths that mean sky become kSkyDepth, motion that cannot be leads nowhere (see stand_ins.h). What can be
-// found in no file: variances of light are estimated from the picture; other variances count as 0; halves are
-// the whole; emission is none; direct and indirect light are filtered as one; of what temporal filters take,
+// found in no file: the variance of direct light is that of the picture, where all light is direct; variances of
+// light are estimated from the picture; other variances count as 0; halves are the whole; emission is none; direct and indirect light are filtered as one; of what temporal filters take,
 // the depth before is the depth now, geometric normals are shading normals, ids are 0 and depth's gradient is
 // its difference between pixels. All of that is said in the notices. Throws InputError that names the layer
 // for anything else, motion among them, and for files of another size.
 Gathered gather(const FilterPlan&, const Sources&, const std::string& name_of_picture);
 
-// The scene's facts as far as a frame tells them: the diagonal of what P holds, else the largest depth.
-SceneFacts facts_of(const FilterPlan&, const Image& input, const Sources&);
+// Metadata of what only the scene knows: numbers, as text to all of their bits.
+inline constexpr char kDiameterKey[] = "tessera/diameter", kLightKey[] = "tessera/light";
+
+struct FoundFacts {
+  SceneFacts facts;
+  std::vector<std::string> notices;  // of those that the filter asks for, what is not known
+};
+// The scene's facts as far as a frame tells them: what its metadata say, else the diagonal of what P holds, else the
+// largest depth.
+FoundFacts facts_of(const FilterPlan&, const Image& input, const Sources&);
+// Whether a parameter of it is a fact of the scene.
+bool asks_for_scene(const FilterPlan&);
 
 }  // namespace tessera

@@ -87,7 +87,7 @@ std::vector<Parameter> parameters() {
 std::vector<Channel> inputs(const ParameterValues& values) {
   std::vector<Channel> all;
   append(all, {Aov::color, Aov::normal, Aov::depth});
-  append(all, {Aov::color}, Statistic::variance_of_mean);
+  if (!is(values, "variance", spatial)) append(all, {Aov::color}, Statistic::variance_of_mean);
   if (!is(values, "distance", depth)) append(all, {Aov::position});
   return all;
 }

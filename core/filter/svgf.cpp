@@ -62,7 +62,8 @@ std::vector<Parameter> parameters() {
 std::vector<Channel> inputs(const ParameterValues& values) {
   std::vector<Channel> all;
   append(all, {Aov::direct, Aov::indirect, Aov::emission, Aov::albedo, Aov::normal, Aov::depth});
-  append(all, {Aov::direct, Aov::indirect}, Statistic::variance_of_mean);
+  if (values.find("variance")->second != from_picture)
+    append(all, {Aov::direct, Aov::indirect}, Statistic::variance_of_mean);
   append_trace(all, values);
   append_taa_inputs(all, values);
   return all;

@@ -126,6 +126,36 @@ TEST_F(Denoise, TakesGuidesFromFilesOfTheirOwn) {
     EXPECT_TRUE(std::ranges::equal(a.pixels.plane(a.plane(c)), b.pixels.plane(b.plane(c))));
 }
 
+TEST_F(Denoise, SaysWhichGuideTheFilterDoesNotTake) {
+  write("in.exr", picture());
+  DenoiseOptions o = options("in.exr", "out.exr");
+  o.guides = {"shading=" + path("in.exr"), "Z=" + path("in.exr")};
+  EXPECT_EQ(run(o), 0);
+  EXPECT_THAT(problems_, HasSubstr("filter 'atrous' takes no such layer"));
+  EXPECT_THAT(problems_, testing::Not(HasSubstr("--guide Z")));
+}
+
+// Parameters do not change within a shot.
+TEST_F(Denoise, TakesTheScenesSizeFromTheFirstFrameOfAShotForAllOfThem) {
+  for (const int f : {1, 2}) {
+    ExrImage frame = picture();
+    for (const char* c : {"P.X", "P.Y", "P.Z"})
+      for (float& v : frame.pixels.plane(frame.plane(c))) v *= static_cast<float>(f);
+    write("in." + std::to_string(f) + ".exr", frame);
+  }
+  DenoiseOptions o = options("in.#.exr", "out.#.exr");
+  o.filter = "guided";
+  EXPECT_EQ(run(o), 0);
+  const auto filter_of = [&](const char* name) {
+    return std::get<std::string>(read_exr(path(name)).metadata.at("tessera/filter"));
+  };
+  EXPECT_EQ(filter_of("out.1.exr"), filter_of("out.2.exr"));
+  o = options("in.2.exr", "alone.exr");
+  o.filter = "guided";
+  EXPECT_EQ(run(o), 0);
+  EXPECT_NE(filter_of("alone.exr"), filter_of("out.2.exr"));
+}
+
 TEST_F(Denoise, CountsAndLocatesWhatIsNotFinite) {
   ExrImage in = picture();
   in.pixels.at(in.plane("G"), 7, 11) = std::numeric_limits<float>::quiet_NaN();
@@ -149,6 +179,12 @@ TEST_F(Denoise, RefusesWhatMakesNoSense) {
   o = options("in.exr", "out.exr");
   o.guides = {"albedo"};
   EXPECT_THAT(error_of(o).what(), HasSubstr("LAYER=FILE"));
+  o.guides = {"albdeo=" + path("in.exr")};
+  EXPECT_THAT(error_of(o).what(), HasSubstr("did you mean 'albedo'"));
+  o.guides = {"Z=" + path("in.exr"), "Z=" + path("in.exr")};
+  EXPECT_THAT(error_of(o).what(), HasSubstr("one file for each layer"));
+  EXPECT_THAT(error_of(options("in.exr", "out.png")).what(), HasSubstr("ends in .exr"));
+  EXPECT_THAT(error_of(options("in.exr", "out.####.exr")).what(), HasSubstr("a single image"));
   o = options("in.exr", "out.exr");
   o.filter = "atros";
   EXPECT_THAT(error_of(o).what(), HasSubstr("did you mean 'atrous'"));

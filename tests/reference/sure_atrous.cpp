@@ -31,15 +31,17 @@ class SureAtrous {
 
   Coarse finest() const {
     Coarse c{std::vector<Rgb>(area()), std::vector<double>(area()), std::vector<double>(area())};
+    const bool spatial = plan_.is("variance", "spatial");
     each_valid(f_, [&](int x, int y) {
       const std::size_t p = f_.index(x, y);
       c.color[p] = f_.rgb(Aov::color, x, y);
+      if (spatial) return;
       const Rgb v = f_.rgb(Aov::color, x, y, Statistic::variance_of_mean);
       c.noise[p] = std::min(v[0] + v[1] + v[2], kMostVariance);
       c.luminance[p] = std::min(std::pow(luminance({std::sqrt(v[0]), std::sqrt(v[1]), std::sqrt(v[2])}), 2),
                                 kMostVariance);
     });
-    if (plan_.is("variance", "spatial")) find_variance(c);
+    if (spatial) find_variance(c);
     return c;
   }
 

@@ -30,7 +30,7 @@ class Svgf {
     Light l{std::vector<Rgb>(area()), std::vector<double>(area()), std::vector<double>(area())};
     each_valid(f_, [&](int x, int y) {
       const Rgb c = f_.rgb(aov, x, y), albedo = floored(f_.rgb(Aov::albedo, x, y));
-      const Rgb v = f_.rgb(aov, x, y, Statistic::variance_of_mean);
+      const Rgb v = spatial() ? Rgb{} : f_.rgb(aov, x, y, Statistic::variance_of_mean);
       Rgb deviation{};
       for (int k = 0; k < 3; ++k) {
         l.color[f_.index(x, y)][k] = c[k] / albedo[k];

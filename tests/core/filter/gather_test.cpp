@@ -86,8 +86,7 @@ TEST(Gather, SaysWhatStandsInForWhatIsMissing) {
   EXPECT_EQ(first_of(plan, input, {Aov::direct, 1, Statistic::variance_of_mean}), 0)
       << "a constant has no noise";
   EXPECT_THAT(notices,
-              ElementsAre(HasSubstr("filtered as one"), HasSubstr("direct_variance: it is estimated"),
-                          HasSubstr("indirect_variance: it is estimated")));
+              ElementsAre(HasSubstr("filtered as one"), HasSubstr("no layer variance: it is estimated")));
 }
 
 TEST(Gather, WhatStandsInIsZeroInAllOfItsPixels) {

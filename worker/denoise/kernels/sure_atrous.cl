@@ -32,7 +32,11 @@ kernel void prepare(global const float* restrict input, int w, int h, global flo
     vf color[3], variance[3], normal[3], norm = 0.0f;
     for (int c = 0; c < 3; ++c) {
       color[c] = load_first(in + (IN_COLOR + c) * area, n, 0.0f);
+#ifdef IN_COLOR_VARIANCE
       variance[c] = load_first(in + (IN_COLOR_VARIANCE + c) * area, n, 0.0f);
+#else
+      variance[c] = 0.0f;  // is found by sure_variance
+#endif
       normal[c] = load_first(in + (IN_N + c) * area, n, 0.0f);
       valid &= ordinary(color[c]) & ordinary(normal[c]) & (variance[c] >= (vf)0.0f) & (variance[c] <= (vf)INFINITY);
       norm = fma(normal[c], normal[c], norm);

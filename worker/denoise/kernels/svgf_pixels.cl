@@ -23,7 +23,7 @@ INLINE vf luminance_variance(const vf* variance, const vf* inverse) {
 // Of the pixels whose input begins at `in`, of which n are ours.
 INLINE Pixels pixels_at(global const float* in, size_t area, int n) {
   Pixels s;
-  vf variance[6], inverse[3], norm = 0.0f;
+  vf inverse[3], norm = 0.0f;
   s.depth = load_first(in + IN_DEPTH * area, n, INFINITY);
   s.valid = ordinary(s.depth) & (s.depth < (vf)SKY);
 #pragma unroll
@@ -35,11 +35,17 @@ INLINE Pixels pixels_at(global const float* in, size_t area, int n) {
     inverse[c] = 1.0f / albedo_floored(albedo);
     norm = fma(s.normal[c], s.normal[c], norm);
   }
+#ifdef IN_DIRECT_VARIANCE
+  vf variance[6];
+#endif
 #pragma unroll
   for (int c = 0; c < 6; ++c) {
     s.light[c] = load_first(in + (IN_DIRECT + c) * area, n, 0.0f);
+    s.valid &= ordinary(s.light[c]);
+#ifdef IN_DIRECT_VARIANCE
     variance[c] = load_first(in + (IN_DIRECT_VARIANCE + c) * area, n, 0.0f);
-    s.valid &= ordinary(s.light[c]) & (variance[c] >= (vf)0.0f) & (variance[c] <= (vf)INFINITY);
+    s.valid &= (variance[c] >= (vf)0.0f) & (variance[c] <= (vf)INFINITY);
+#endif
   }
   const vf scale = norm > (vf)1e-12f ? 1.0f / sqrt(norm) : (vf)0.0f;
   s.depth = s.valid ? s.depth : (vf)INFINITY;
@@ -47,9 +53,11 @@ INLINE Pixels pixels_at(global const float* in, size_t area, int n) {
   for (int c = 0; c < 6; ++c) s.light[c] = s.valid ? s.light[c] * inverse[c % 3] : (vf)0.0f;
 #pragma unroll
   for (int c = 0; c < 3; ++c) s.normal[c] = s.valid ? s.normal[c] * scale : (vf)0.0f;
+#ifdef IN_DIRECT_VARIANCE
 #pragma unroll
   for (int c = 0; c < 2; ++c)
     s.variance[c] = s.valid ? luminance_variance(variance + 3 * c, inverse) : (vf)0.0f;
+#endif
   return s;
 }
 
