@@ -43,9 +43,12 @@ FileFacts facts_of(const ExrImage& file, const Image& rgb) {
   for (const char* name : {"samples", "seed", "filter"})
     if (const auto at = file.metadata.find(fmt::format("tessera/{}", name)); at != file.metadata.end())
       facts.origin[name] = at->second;
-  for (std::size_t i = 0; i < rgb.plane(0).size(); ++i)
-    facts.not_finite +=
-        !std::isfinite(rgb.plane(0)[i]) || !std::isfinite(rgb.plane(1)[i]) || !std::isfinite(rgb.plane(2)[i]);
+  const Region& r = rgb.region();
+  for (int i = 0; i < r.area(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (std::isfinite(rgb.plane(0)[k]) && std::isfinite(rgb.plane(1)[k]) && std::isfinite(rgb.plane(2)[k])) continue;
+    if (facts.not_finite++ == 0) facts.first_not_finite = {r.x0 + i % r.width(), r.y0 + i / r.width()};
+  }
   return facts;
 }
 

@@ -38,9 +38,13 @@ void write_cells(std::ostream& out, const CellTable& table) {
 // What is said of a frame below its figures.
 void write_remarks(std::ostream& out, const FrameReport& r) {
   for (const CellTable& table : r.cells) write_cells(out, table);
+  const auto count = [](const FileFacts& f, std::string_view whose) {
+    const std::string first =
+        f.not_finite > 0 ? fmt::format(", the first at ({}, {})", f.first_not_finite[0], f.first_not_finite[1]) : "";
+    return fmt::format("{} pixels of the {}{}", f.not_finite, whose, first);
+  };
   if (r.image.not_finite + r.reference.not_finite > 0)
-    out << fmt::format("not finite: {} pixels of the image, {} of the reference\n", r.image.not_finite,
-                       r.reference.not_finite);
+    out << fmt::format("not finite: {}; {}\n", count(r.image, "image"), count(r.reference, "reference"));
   for (const WrittenMap& m : r.maps)
     out << fmt::format("map of {} per pixel, 0 (black) to {:g} (yellow): {}\n", m.metric, m.high,
                        m.file.string());

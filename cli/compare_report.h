@@ -30,6 +30,7 @@ struct CellTable {
 struct FileFacts {
   std::map<std::string, std::variant<std::string, float, int>> origin;  // samples, seed, ...: as far as known
   std::int64_t not_finite = 0;                                          // pixels
+  std::array<int, 2> first_not_finite{};                                // x, y of the first of them
 };
 
 struct FrameReport {

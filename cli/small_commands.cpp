@@ -57,6 +57,9 @@ std::vector<std::string> input_names(const std::vector<Channel>& inputs) {
   return names;
 }
 
+// A plain number has the unit 1.
+bool has_unit(const Parameter& p) { return !p.unit.empty() && p.unit != "1"; }
+
 void print_filter(const FilterPlan& plan) {
   const FilterDescription& d = plan.description();
   fmt::print("{:16} {}{}\n", d.name, d.summary, d.source.empty() ? "" : fmt::format("  [{}]", d.source));
@@ -69,7 +72,7 @@ void print_filter(const FilterPlan& plan) {
   fmt::print("{:16} takes {}\n", "", fmt::join(input_names(plan.inputs()), ", "));
   for (const Parameter& p : d.parameters)
     fmt::print("{:16}   {:14} {} (default {}{}{})  {}{}\n", "", p.name, accepted(p), standard(p),
-               p.unit.empty() ? "" : " ", p.unit, p.meaning,
+               has_unit(p) ? " " : "", has_unit(p) ? p.unit : "", p.meaning,
                p.source.empty() ? "" : fmt::format("  [{}]", p.source));
 }
 

@@ -125,9 +125,10 @@ std::optional<FilePlane> find_plane_alone(const ExrImage& file, const Channel& c
   if (const auto named = find_plane(file, c)) return named;
   for (const std::string& letter : letters_of(c))
     if (const auto plane = named_plane(file, "", letter)) return FilePlane{*plane};
-  if (const auto plane = named_plane(file, "", std::string(1, "RGB"[std::min(c.index, 2)])))
+  if (const auto plane = named_plane(file, "", std::string(1, "RGB"[std::min(c.index, 2)])); plane && c.index < 3)
     return FilePlane{*plane};
-  return file.pixels.planes() == 1 ? std::optional(FilePlane{0}) : std::nullopt;
+  const bool single = c.statistic == Statistic::samples || info(c.aov).channels == 1;
+  return single && file.pixels.planes() == 1 ? std::optional(FilePlane{0}) : std::nullopt;
 }
 
 std::optional<FilePlane> find_variance_of_samples(const ExrImage& file, const Channel& c) {

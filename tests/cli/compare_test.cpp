@@ -164,7 +164,7 @@ TEST_F(Compare, TakesTheTileSizeFromTheImageUnlessTold) {
 
 TEST_F(Compare, CountsWhatIsNotFiniteAndSaysNullInJson) {
   CompareOptions options{write("x.exr", std::nanf("")), write("r.exr", 0.5f)};
-  EXPECT_THAT(output(options), HasSubstr("not finite: 6144 pixels of the image, 0 of the reference"));
+  EXPECT_THAT(output(options), HasSubstr("not finite: 6144 pixels of the image, the first at (0, 0); 0 pixels of the reference"));
   options.json = true;
   const auto j = nlohmann::json::parse(output(options));
   EXPECT_TRUE(j["relmse"].is_null());

@@ -88,6 +88,8 @@ TEST(Gather, AFileOfOneLayerGoesByItsNameOrItsLettersAndByNoOther) {
   EXPECT_EQ(normal_of({"albedo.R", "N.X", "N.Y", "N.Z"}), 2);
   sources.separate.insert_or_assign("N", file({"albedo.R", "albedo.G", "albedo.B"}));
   EXPECT_THAT(refusal_of(plan, sources), HasSubstr("no such layer; there are: albedo.R, albedo.G, albedo.B"));
+  sources.separate.insert_or_assign("N", file({"R"}));
+  EXPECT_THAT(refusal_of(plan, sources), HasSubstr("no such layer; there are: R"));
   sources.separate.clear();
   sources.separate.emplace("Z", file({"anything"}));
   EXPECT_EQ(first_of(plan, gather(plan, sources, "picture.exr").input, {Aov::depth, 0}), 1);
