@@ -46,7 +46,8 @@ FileFacts facts_of(const ExrImage& file, const Image& rgb) {
   const Region& r = rgb.region();
   for (int i = 0; i < r.area(); ++i) {
     const auto k = static_cast<std::size_t>(i);
-    if (std::isfinite(rgb.plane(0)[k]) && std::isfinite(rgb.plane(1)[k]) && std::isfinite(rgb.plane(2)[k])) continue;
+    if (std::isfinite(rgb.plane(0)[k]) && std::isfinite(rgb.plane(1)[k]) && std::isfinite(rgb.plane(2)[k]))
+      continue;
     if (facts.not_finite++ == 0) facts.first_not_finite = {r.x0 + i % r.width(), r.y0 + i / r.width()};
   }
   return facts;

@@ -39,8 +39,9 @@ void write_cells(std::ostream& out, const CellTable& table) {
 void write_remarks(std::ostream& out, const FrameReport& r) {
   for (const CellTable& table : r.cells) write_cells(out, table);
   const auto count = [](const FileFacts& f, std::string_view whose) {
-    const std::string first =
-        f.not_finite > 0 ? fmt::format(", the first at ({}, {})", f.first_not_finite[0], f.first_not_finite[1]) : "";
+    const std::string first = f.not_finite > 0 ? fmt::format(", the first at ({}, {})", f.first_not_finite[0],
+                                                             f.first_not_finite[1])
+                                               : "";
     return fmt::format("{} pixels of the {}{}", f.not_finite, whose, first);
   };
   if (r.image.not_finite + r.reference.not_finite > 0)

@@ -32,7 +32,7 @@ struct Row {
   bool backwards = false;
   Submission submission;
   std::vector<NoisyFrame> frames;  // by their places in the job; without pixels
-  Succession succession{backwards ? -1 : 1};
+  Succession succession{1};
   JobName job;  // empty: there is none
 };
 
@@ -86,7 +86,11 @@ class FarmDenoiser {
   using Take = std::function<void(NoisyFrame&, const Image& rgb, double seconds)>;
 
   Row row_of(bool backwards) const {
-    Row row{.backwards = backwards, .submission = {}, .frames = {}, .job = {}};
+    Row row{.backwards = backwards,
+            .submission = {},
+            .frames = {},
+            .succession = Succession(backwards ? -1 : 1, cuts_of(o_)),
+            .job = {}};
     row.submission.name = fmt::format("denoise {}{}", fs::path(o_.input).filename().string().substr(0, 200),
                                       backwards ? " backwards" : "");
     row.submission.job.filter = files_.plan();

@@ -42,13 +42,19 @@ void check_options(const DenoiseOptions& o, const FilterPlan& plan) {
   if (!sequence && !o.frames.empty()) refuse_option("--frames", o.frames, kSequence);
   if (sequence && !is_pattern(o.output))
     refuse_option("--output", o.output, "a name with #### or %04d, as the input is a sequence");
-  if (o.handles == 0 && !o.both_ways) return;
-  const std::string_view option = o.both_ways ? "--both-ways" : "--handles";
-  const std::string value = o.both_ways ? "on" : std::to_string(o.handles);
+  if (o.handles == 0 && !o.both_ways && o.cuts.empty()) return;
+  const std::string_view option = o.both_ways ? "--both-ways" : !o.cuts.empty() ? "--cuts" : "--handles";
+  const std::string value = o.both_ways ? "on" : !o.cuts.empty() ? o.cuts : std::to_string(o.handles);
   if (!sequence) refuse_option(option, value, kSequence);
   if (plan.history() == 0)
     refuse_option(option, value,
                   fmt::format("only with a filter that has history=on, which {} has not", plan.name));
+}
+
+std::set<int> cuts_of(const DenoiseOptions& o) {
+  if (o.cuts.empty()) return {};
+  const std::vector<int> cuts = parse_frames(o.cuts);
+  return {cuts.begin(), cuts.end()};
 }
 
 DenoiseFrames frames_of(const DenoiseOptions& o) {

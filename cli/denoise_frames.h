@@ -17,6 +17,9 @@ struct DenoiseFrames {
 // Throws Error(bad_usage) for options that do not go together.
 void check_options(const DenoiseOptions&, const FilterPlan&);
 
+// Frames that start anew. Throws Error(bad_usage).
+std::set<int> cuts_of(const DenoiseOptions&);
+
 // Of an input that is a pattern. Throws InputError if there are none, Error(bad_usage) for `frames`.
 DenoiseFrames frames_of(const DenoiseOptions&);
 

@@ -16,6 +16,7 @@ void add_frame_options(CLI::App& app, DenoiseOptions& o) {
          "With history=on: frames before and behind these that are read, not written, if they are there")
       ->check(CLI::Range(0, 10000))
       ->capture_default_str();
+  app.add_option("--cuts", o.cuts, "With history=on: frames that go by none before, as in --frames [none]");
   app.add_flag("--both-ways", o.both_ways, "With history=on: go by the frames that follow, too");
 }
 

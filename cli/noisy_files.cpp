@@ -91,8 +91,8 @@ std::vector<NoisyFiles::Guide> NoisyFiles::guides_of(const DenoiseOptions& o) {
       refuse_option("--guide", text, "LAYER=FILE, as in albedo=shot_albedo.exr");
     const std::string layer = text.substr(0, sign);
     if (std::ranges::find(known, layer) == known.end())
-      throw Error(ExitCode::bad_usage, fmt::format("--guide: {}; accepted: {}", unknown("layer", layer, known),
-                                                   fmt::join(known, ", ")));
+      throw Error(ExitCode::bad_usage, fmt::format("--guide: {}; accepted: {}",
+                                                   unknown("layer", layer, known), fmt::join(known, ", ")));
     if (std::ranges::find(guides, layer, &Guide::layer) != guides.end())
       refuse_option("--guide", text, "one file for each layer");
     guides.push_back({layer, text.substr(sign + 1)});
@@ -125,7 +125,8 @@ void NoisyFiles::take_facts(NoisyFrame& frame, const Sources& sources, int numbe
 
 void NoisyFiles::say_what_is_not_taken(NoisyFrame& frame) const {
   for (const Guide& g : guides_)
-    if (!frame.gathered.asked_for.contains(g.layer) && !(g.layer == layer_of({Aov::position, 0}) && asks_for_scene(plan_)))
+    if (!frame.gathered.asked_for.contains(g.layer) &&
+        !(g.layer == layer_of({Aov::position, 0}) && asks_for_scene(plan_)))
       frame.gathered.notices.push_back(
           fmt::format("--guide {}={}: filter '{}' takes no such layer", g.layer, g.file, plan_.name));
 }

@@ -121,6 +121,8 @@ void describe_job(CLI::App& app, RenderOptions& o) {
                  "Shot: 1-60, 1-100x2,150. Frames whose files are there and whole are left out")
       ->envname("TESSERA_FRAMES")
       ->excludes(frame);
+  app.add_option("--cuts", o.cuts,
+                 "With history=on: frames that go by none before, as in --frames [where the camera jumps]");
   app.add_option("--max-bounces", o.max_bounces, "Scatterings after the first hit")
       ->envname("TESSERA_MAX_BOUNCES")
       ->capture_default_str();

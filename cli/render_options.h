@@ -28,6 +28,7 @@ struct RenderOptions {
   std::uint64_t seed = 0;
   int frame = 0;
   std::optional<std::string> frames;  // of a shot, as parse_frames takes them; none: `frame` alone
+  std::string cuts;                   // frames that start anew, beside those at which the camera jumps
   int max_bounces = 8;
   int sure_bounces = 2;
   double clamp_direct = 0, clamp_indirect = 0, regularise = 0;

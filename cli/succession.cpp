@@ -10,6 +10,8 @@ std::string Succession::cut_before(const Frame& frame) const {
   const int before = frame.number - step_;
   if (last_->number != before) return fmt::format("frame {} was not filtered", before);
   if (last_->pixels.empty()) return fmt::format("frame {} failed", before);
+  if (cuts_.contains(step_ > 0 ? frame.number : before))
+    return fmt::format("there is a cut before frame {}", step_ > 0 ? frame.number : before);
   if (last_->pixels != frame.pixels || last_->display != frame.display)
     return fmt::format("frame {} covers other pixels", before);
   return "";

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 
 #include "core/region.h"
@@ -12,15 +13,15 @@ namespace tessera {
 
 class Succession {
  public:
-  // `step`: 1 or -1.
-  explicit Succession(int step) : step_(step) {}
+  // `step`: 1 or -1. `cuts`: numbers of frames before which, in time, there is one.
+  explicit Succession(int step, std::set<int> cuts = {}) : step_(step), cuts_(std::move(cuts)) {}
 
   struct Link {
     bool goes_on = false;  // by the frame before
     std::string cut;       // why not; empty: it does, or is the first
   };
   // Of the next frame: it goes by `number - step` if that was the last one, did not fail, and covered the
-  // same pixels of the same picture.
+  // same pixels of the same picture, and there is no cut between them.
   Link next(int number, const Region& pixels, const Region& display);
   // The frame is missing.
   void failed(int number) { last_ = Frame{number, {}, {}}; }
@@ -33,6 +34,7 @@ class Succession {
   std::string cut_before(const Frame& frame) const;
 
   int step_;
+  std::set<int> cuts_;
   std::optional<Frame> last_;
 };
 

@@ -41,8 +41,7 @@ Image filtered(Device& device, const FilterPlan& plan, const Image& input, Size 
   const Image motion = history.empty() ? Image{} : motion_of(plan, input);
   Image whole(frame, 3 + plan.history());
   for (const Tile& t : tiles_over(frame, tile, plan.halo())) {
-    const Region seen = history.empty() ? Region{} : footprint(motion, t.outer, frame);
-    const Image before = seen.empty() ? Image{} : cropped(history, seen);
+    const Image before = touched(history, motion, t.outer, frame);
     Image tile_result = filter(device, plan, cropped(input, t.outer), t, frame, before);
     paste(whole, tile_result);
     recycle(device, std::move(tile_result));

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "cli/denoise_frames.h"
 #include "cli/noisy_files.h"
 #include "cli/succession.h"
 #include "core/job.h"
@@ -22,7 +23,7 @@ class Walk {
  public:
   // `step`: 1 or -1. Borrows the device and the options.
   Walk(Device& device, const DenoiseOptions& options, int step)
-      : device_(device), options_(options), succession_(step) {}
+      : device_(device), options_(options), succession_(step, cuts_of(options)) {}
 
   // Goes by what the last one has kept where it continues it (succession.h).
   FilteredFrame next(const NoisyFrame&, int number);

@@ -24,9 +24,7 @@ std::vector<Work> Frame::remember(std::shared_ptr<const Image> history) {
 FilterInput Frame::filter_input(const FilterTask& task) const {
   const Region& outer = task.tile.outer;
   FilterInput input{taken(outer), {}};
-  if (!history_) return input;
-  const Region seen = footprint(motion(input.film), outer, job_.region());
-  if (!seen.empty()) input.history = cropped(*history_, seen);
+  if (history_) input.history = touched(*history_, motion(input.film), outer, job_.region());
   return input;
 }
 

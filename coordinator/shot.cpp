@@ -7,7 +7,7 @@ namespace tessera {
 
 bool continues(const Job& before, const Job& next) {
   const bool in_turn = next.given ? next.given->goes_on : next.frame == before.frame + 1;
-  return in_turn && next.given.has_value() == before.given.has_value() && next.filter.history() > 0 &&
+  return in_turn && !next.cut && next.given.has_value() == before.given.has_value() && next.filter.history() > 0 &&
          next.crop == before.crop && next.render.size == before.render.size &&
          next.render.camera == before.render.camera && next.scene == before.scene &&
          next.filter.name == before.filter.name && next.filter.history() == before.filter.history();

@@ -20,8 +20,8 @@ struct Shot {
 };
 
 // Whether a frame goes by what the one before keeps: its filter does, it is the next in number, or is said to
-// go on where it is given, and both are of one camera, size, crop and filter. A frame that does not continue
-// anything starts anew, as after a cut.
+// go on where it is given, there is no cut, and both are of one camera, size, crop and filter. A frame that does not
+// continue anything starts anew.
 bool continues(const Job& before, const Job& next);
 
 // Throws what validate() throws for the first frame that is not sound, and InputError if there is none.

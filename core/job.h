@@ -70,6 +70,7 @@ struct Job {
   AcceptanceRule acceptance;
   Size tile{256, 256};         // inner size of the tiles in which the frame is filtered
   int task_samples = 1 << 18;  // pixel samples a render task holds (plan.h), if a leaf allows
+  bool cut = false;            // comes before it: it goes by nothing that the frame before has kept
 
   Region region() const { return crop.value_or(Region{0, 0, render.size.width, render.size.height}); }
   bool operator==(const Job&) const = default;

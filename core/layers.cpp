@@ -125,7 +125,8 @@ std::optional<FilePlane> find_plane_alone(const ExrImage& file, const Channel& c
   if (const auto named = find_plane(file, c)) return named;
   for (const std::string& letter : letters_of(c))
     if (const auto plane = named_plane(file, "", letter)) return FilePlane{*plane};
-  if (const auto plane = named_plane(file, "", std::string(1, "RGB"[std::min(c.index, 2)])); plane && c.index < 3)
+  if (const auto plane = named_plane(file, "", std::string(1, "RGB"[std::min(c.index, 2)]));
+      plane && c.index < 3)
     return FilePlane{*plane};
   const bool single = c.statistic == Statistic::samples || info(c.aov).channels == 1;
   return single && file.pixels.planes() == 1 ? std::optional(FilePlane{0}) : std::nullopt;

@@ -66,6 +66,9 @@ void validate(const Submission& s) {
   require(!s.frames.empty() && s.frames.size() <= kMaxFrames, "frames", "1 to 1000000");
   require(std::unordered_set<int>(s.frames.begin(), s.frames.end()).size() == s.frames.size(), "frames",
           "each once");
+  require(
+      s.cuts.size() <= kMaxFrames && std::ranges::adjacent_find(s.cuts, std::greater_equal()) == s.cuts.end(),
+      "cuts", "rising numbers, no more than a job may have frames");
   require(std::isfinite(s.facts.diameter) && s.facts.diameter >= 0, "facts.diameter", "0 or more");
   require(std::isfinite(s.facts.light) && s.facts.light >= 0, "facts.light", "0 or more");
   require_names(s.names.light_groups, "names.light_groups");
@@ -91,6 +94,7 @@ Job job_of(const Submission& s, std::size_t place) {
     facts.light = g.light;
   }
   job.frame = facts.frame = s.frames[place];
+  job.cut = std::ranges::binary_search(s.cuts, job.frame);
   job.filter = resolved(s.job.filter, facts);
   return job;
 }

@@ -50,6 +50,7 @@ struct Submission {
   JobLimits limits;
   Job job;                  // of every frame, but for its number; filters that go by facts not resolved
   std::vector<int> frames;  // their numbers, in the order in which they are wanted; each once
+  std::vector<int> cuts;    // numbers of frames that start anew; rising
   std::vector<SubmittedFrame> given;  // of each frame; none: they are rendered
   SceneFacts facts;                   // of the scene
   SceneNames names;

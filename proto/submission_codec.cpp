@@ -130,6 +130,7 @@ std::string encode(const Submission& s) {
   wire::Submission w;
   head_of(s).SerializeToString(w.mutable_head());
   w.mutable_frames()->Add(s.frames.begin(), s.frames.end());
+  w.mutable_cuts()->Add(s.cuts.begin(), s.cuts.end());
   to_wire(s.names.light_groups, *w.mutable_light_groups());
   to_wire(s.names.objects, *w.mutable_objects());
   to_wire(s.names.materials, *w.mutable_materials());
@@ -149,9 +150,11 @@ Submission decode_submission(std::string_view bytes) {
   wire::Submission w;
   require(w.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())), "submission", "is none");
   require(w.frames_size() <= kMaxFrames, "frames", "too many entries");
+  require(w.cuts_size() <= kMaxFrames, "cuts", "too many entries");
   Submission s;
   read_head(w.head(), s);
   s.frames = {w.frames().begin(), w.frames().end()};
+  s.cuts = {w.cuts().begin(), w.cuts().end()};
   s.names = {names_from(w.light_groups(), "light_groups"), names_from(w.objects(), "objects"),
              names_from(w.materials(), "materials")};
   if (w.has_given()) s.given = given_from(w.given());

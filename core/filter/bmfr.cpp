@@ -50,14 +50,15 @@ void append_history(std::vector<Parameter>& to) {
   to.push_back({"limit_n", "how far its normal may be", "1", source, 1e-3, 3, 0.5});
 }
 
+constexpr int kGridsOfAFrame = 4;
+
 std::vector<Parameter> parameters() {
   std::vector<Parameter> all{
       choice_parameter("block", "edge of the blocks that share a fit, in pixels",
                        "Koskela et al. 2019, section 6.1 (32; 64 looks best)", {"8", "16", "32", "64"}, 2),
       {"grids",
        "displaced grids of blocks whose fits are averaged, each by its distance from the block's border; 0: "
-       "1 with "
-       "history, 4 without",
+       "1 with a history, 4 without and on the first frame",
        "", "1: Koskela et al. 2019, section 3.3; more: its section 8 advises it where there is no history", 0,
        4, 0, true},
       {"frame",
@@ -153,6 +154,12 @@ double scratch(const ParameterValues& values) {
          (with_history(values) ? kAccumulatedPlanes : 0) + taa_scratch(values);
 }
 
+// Where nothing has been averaged over frames one grid's blocks would show.
+void alone(ParameterValues& values) {
+  double& grids = values.find("grids")->second;
+  if (grids == 0) grids = kGridsOfAFrame;
+}
+
 }  // namespace
 
 BlockGrid block_grid(const FilterPlan& plan) {
@@ -163,7 +170,7 @@ BlockGrid block_grid(const FilterPlan& plan) {
 
 int grids_taken(const ParameterValues& values) {
   const int asked = static_cast<int>(values.find("grids")->second);
-  return asked != 0 ? asked : with_history(values) ? 1 : 4;
+  return asked != 0 ? asked : with_history(values) ? 1 : kGridsOfAFrame;
 }
 
 BlockFeatures block_features(const ParameterValues& values) {
@@ -189,7 +196,8 @@ FilterDescription describe_bmfr() {
           .inputs = inputs,
           .passes = passes,
           .scratch = scratch,
-          .history = history};
+          .history = history,
+          .alone = alone};
 }
 
 }  // namespace tessera

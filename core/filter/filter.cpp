@@ -154,6 +154,11 @@ double fact_for(const Parameter& p, const SceneFacts& facts) {
 
 }  // namespace
 
+FilterPlan without_history(FilterPlan plan) {
+  if (const auto alone = plan.description().alone) alone(plan.parameters);
+  return plan;
+}
+
 FilterPlan resolved(FilterPlan plan, const SceneFacts& facts) {
   for (const Parameter& p : plan.description().parameters) {
     double& value = plan.parameters.find(p.name)->second;

@@ -57,6 +57,8 @@ struct FilterDescription {
   // Planes it keeps of each frame for the next one (see history.h), where it then finds them by Aov::motion,
   // which must be among its inputs. Null: none, whatever the parameters.
   int (*history)(const ParameterValues&) = nullptr;
+  // Changes what is left to the filter to what it is for a frame that has no history. Null: nothing is.
+  void (*alone)(ParameterValues&) = nullptr;
 };
 
 // All filters, by name. `none` is one: it has no passes.
@@ -86,6 +88,8 @@ std::string to_string(const FilterPlan&);
 // With the scene's facts in place of zeros; a fact that is not known counts as 1, the frame's number modulo
 // the numbers that the parameter can be. Once per frame, before it is cut into tiles.
 FilterPlan resolved(FilterPlan, const SceneFacts&);
+// As it is for the first frame of a shot, or one behind a cut. It keeps as much for the next one.
+FilterPlan without_history(FilterPlan);
 // Throws Error(bad_input) unless every parameter is known, present and in range: for plans that come by
 // message.
 void validate(const FilterPlan&);

@@ -44,7 +44,8 @@ class Depths {
 std::span<const float> positions(const Sources& sources, int c) {
   const Channel channel{Aov::position, c};
   if (const auto at = sources.separate.find(layer_of(channel)); at != sources.separate.end())
-    if (const auto plane = find_plane_alone(at->second, channel)) return at->second.pixels.plane(plane->number);
+    if (const auto plane = find_plane_alone(at->second, channel))
+      return at->second.pixels.plane(plane->number);
   const auto plane = find_plane(*sources.picture, channel);
   return plane ? sources.picture->pixels.plane(plane->number) : std::span<const float>();
 }
@@ -78,12 +79,12 @@ bool asks_for_scene(const FilterPlan& plan) {
 }
 
 FoundFacts facts_of(const FilterPlan& plan, const Image& input, const Sources& sources) {
-  FoundFacts found{{.diameter = written(*sources.picture, kDiameterKey),
-                    .light = written(*sources.picture, kLightKey)},
-                   {}};
+  FoundFacts found{
+      {.diameter = written(*sources.picture, kDiameterKey), .light = written(*sources.picture, kLightKey)},
+      {}};
   if (found.facts.light == 0 && asks_for(plan, SceneFact::light))
-    found.notices.push_back(
-        fmt::format("the file does not say how bright the scene's emitters are: filter '{}' takes 1", plan.name));
+    found.notices.push_back(fmt::format(
+        "the file does not say how bright the scene's emitters are: filter '{}' takes 1", plan.name));
   if (found.facts.diameter > 0) return found;
   const Depths depths(plan, input);
   const double across = diagonal(depths, sources);

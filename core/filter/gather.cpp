@@ -159,10 +159,10 @@ class Gatherer {
     const auto count = std::ranges::count_if(plane, bad);
     if (count == 0) return;
     const auto first = static_cast<int>(std::ranges::find_if(plane, bad) - plane.begin());
-    gathered.defects.push_back(fmt::format("{}: {} of {} pixels are no number, the first at ({}, {}): they count as sky",
-                                           layer_of({Aov::depth, 0}), count, region_.area(),
-                                           region_.x0 + first % region_.width(),
-                                           region_.y0 + first / region_.width()));
+    gathered.defects.push_back(
+        fmt::format("{}: {} of {} pixels are no number, the first at ({}, {}): they count as sky",
+                    layer_of({Aov::depth, 0}), count, region_.area(), region_.x0 + first % region_.width(),
+                    region_.y0 + first / region_.width()));
   }
 
   void mend_motion_of(Gathered& gathered) const {
@@ -216,7 +216,8 @@ class Gatherer {
     } else if (is_one_light(c)) {
       return variance_of_one_light(c);
     }
-    say(fmt::format("no layer {}: it is estimated from the picture, where detail counts as noise", layer_of(c)));
+    say(fmt::format("no layer {}: it is estimated from the picture, where detail counts as noise",
+                    layer_of(c)));
     Image mean(region_, 1, find_or_replace({c.aov, c.index}));
     return std::move(estimated_variance(mean)).release();
   }
@@ -227,7 +228,8 @@ class Gatherer {
     if (!at) return std::nullopt;
     const auto n = find(kSampleCount) ? find(kSampleCount) : samples(kSampleCount);
     if (!n) {
-      say("Variance is that of single samples, and there is no telling how many a pixel has: --samples N says it");
+      say("Variance is that of single samples, and there is no telling how many a pixel has: --samples N "
+          "says it");
       return std::nullopt;
     }
     Plane variance = taken(*sources_.picture, *at, c);
@@ -235,7 +237,9 @@ class Gatherer {
     return variance;
   }
 
-  bool is_one_light(const Channel& c) { return !find({Aov::direct, c.index}) && !find({Aov::indirect, c.index}); }
+  bool is_one_light(const Channel& c) {
+    return !find({Aov::direct, c.index}) && !find({Aov::indirect, c.index});
+  }
   // That of the picture, for direct light.
   Plane variance_of_one_light(const Channel& c) {
     if (c.aov == Aov::indirect) return zeros();

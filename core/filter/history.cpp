@@ -32,4 +32,10 @@ Region footprint(const Image& motion, const Region& area, const Region& frame) {
   return box.empty() ? Region{} : box;
 }
 
+Image touched(const Image& history, const Image& motion, const Region& area, const Region& frame) {
+  if (history.empty()) return {};
+  const Region seen = footprint(motion, area, frame);
+  return cropped(history, seen.empty() ? Region{frame.x0, frame.y0, frame.x0 + 1, frame.y0 + 1} : seen);
+}
+
 }  // namespace tessera

@@ -21,4 +21,8 @@ inline constexpr int kTapsBefore = 1, kTapsBehind = 2;
 // image that contains `area`. Empty if they all come from outside. Motion that is not finite leads nowhere.
 Region footprint(const Image& motion, const Region& area, const Region& frame);
 
+// What of a frame's `history`, if there is one, travels with the pixels of `area`: their footprint, but at least a
+// pixel. No history at all tells a filter that this is the first frame, which some treat otherwise (without_history).
+Image touched(const Image& history, const Image& motion, const Region& area, const Region& frame);
+
 }  // namespace tessera

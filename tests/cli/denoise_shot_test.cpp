@@ -51,6 +51,22 @@ TEST_F(DenoiseShot, StartsAnewBehindAGapAFailureAndAnotherSize) {
   for (const int f : {3, 5, 6}) EXPECT_TRUE(same_bits(rgb("out", f), single(f))) << f;
 }
 
+TEST_F(DenoiseShot, StartsAnewAtACutThatItIsToldInEitherDirection) {
+  write_shot({1, 2, 3, 4});
+  DenoiseOptions o = shot("out");
+  o.cuts = "3";
+  EXPECT_EQ(run(o), 0);
+  EXPECT_THAT(problems_, HasSubstr("frame 3 starts anew: there is a cut before frame 3"));
+  EXPECT_TRUE(same_bits(rgb("out", 3), single(3)));
+  EXPECT_FALSE(same_bits(rgb("out", 4), single(4)));
+  o.both_ways = true;
+  EXPECT_EQ(run(o), 0);
+  EXPECT_THAT(problems_, HasSubstr("frame 2 starts anew, backwards: there is a cut before frame 3"));
+  o = shot("out");
+  o.cuts = "x";
+  EXPECT_EQ(error_of(o).code(), ExitCode::bad_usage);
+}
+
 TEST_F(DenoiseShot, ReadsHandlesForTheirHistoryAndDoesNotWriteThem) {
   write_shot({2, 3, 4, 5});
   EXPECT_EQ(run(shot("out")), 0);

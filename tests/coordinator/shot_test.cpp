@@ -39,6 +39,7 @@ TEST(Continues, OnlyTheNextFrameOfTheSameViewWithATemporalFilter) {
     change(next);
     return continues(two[0], next);
   };
+  EXPECT_FALSE(with([](Job& j) { j.cut = true; }));
   EXPECT_FALSE(with([](Job& j) { j.render.camera = "other"; })) << "a cut";
   EXPECT_FALSE(with([](Job& j) { j.render.size.width += 1; }));
   EXPECT_FALSE(with([](Job& j) { j.crop = Region{0, 0, 9, 9}; }));

@@ -40,6 +40,7 @@ Submission given() {
   s.name = "given";
   s.job.filter = parse_filter("svgf:history=on,sigma_l=2");
   s.frames = {7, 6};
+  s.cuts = {7};
   const Region picture{0, 0, 40, 30};
   s.given = {{{sha256("7"), picture, false}, {-8, -8, 48, 38}, 12.5, 0.25},
              {{sha256("6"), picture, true}, picture, 0, 0}};
@@ -123,6 +124,8 @@ TEST(SubmissionCodec, WhatCannotBeSoIsRefusedByTheNameOfItsField) {
   EXPECT_THAT(complaint([](auto& s) { s.limits.seconds = -1; }), HasSubstr("limits.seconds"));
   EXPECT_THAT(complaint([](auto& s) { s.frames.clear(); }), HasSubstr("frames"));
   EXPECT_THAT(complaint([](auto& s) { s.frames = {1, 1}; }), HasSubstr("frames"));
+  EXPECT_THAT(complaint([](auto& s) { s.cuts = {2, 2}; }), HasSubstr("cuts"));
+  EXPECT_THAT(complaint([](auto& s) { s.cuts = {3, 2}; }), HasSubstr("cuts"));
   EXPECT_THAT(complaint([](auto& s) { s.facts.light = -1; }), HasSubstr("facts.light"));
   EXPECT_THAT(complaint([](auto& s) { s.names.objects = {std::string(257, 'x')}; }), HasSubstr("objects"));
   EXPECT_THAT(complaint([](auto& s) { s.compression = "zap"; }), HasSubstr("compression"));

@@ -25,7 +25,8 @@
 
 namespace tessera::reference {
 
-Image filtered(const FilterPlan& plan, const Image& input, const Image& history) {
+Image filtered(const FilterPlan& asked, const Image& input, const Image& history) {
+  const FilterPlan plan = history.empty() ? without_history(asked) : asked;
   static const std::map<std::string_view, Image (*)(const FilterPlan&, const Image&, const Image&)> temporal{
       {"atrous", atrous},
       {"bmfr", bmfr},

@@ -41,7 +41,8 @@ Image filter(Device& device, const FilterPlan& plan, const Image& input, const T
   const std::lock_guard lock(cl.mutex());
   try {
     const Program& program = program_of(plan.name);
-    Stage stage(cl, plan, program.sources, program.options(plan), input, tile, frame, history);
+    const FilterPlan now = history.empty() ? without_history(plan) : plan;
+    Stage stage(cl, now, program.sources, program.options(now), input, tile, frame, history);
     program.run(stage);
     return stage.finish();
   } catch (const cl::Error& e) {

@@ -18,7 +18,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-const std::vector<std::string> kGuided{"B", "G", "N.X", "N.Y", "N.Z", "R", "albedo.B", "albedo.G", "albedo.R"};
+const std::vector<std::string> kGuided{"B", "G",        "N.X",      "N.Y",     "N.Z",
+                                       "R", "albedo.B", "albedo.G", "albedo.R"};
 
 std::vector<std::string> and_also(std::vector<std::string> names, const std::vector<std::string>& more) {
   names.insert(names.end(), more.begin(), more.end());

@@ -36,6 +36,13 @@ TEST(Footprint, OfWhatComesFromOutsideIsEmpty) {
   EXPECT_TRUE(footprint(moving(0, -31), {10, 10, 20, 15}, kFrame).empty());
 }
 
+TEST(Touched, IsTheFootprintOrAPixelThatTellsThatThereIsAHistory) {
+  const Image history(kFrame, 4, 1.0f);
+  EXPECT_EQ(touched(history, moving(0, 0), {10, 10, 20, 15}, kFrame).region(), (Region{9, 9, 22, 17}));
+  EXPECT_EQ(touched(history, moving(50, 0), {10, 10, 20, 15}, kFrame).region(), (Region{0, 0, 1, 1}));
+  EXPECT_TRUE(touched({}, moving(0, 0), {10, 10, 20, 15}, kFrame).empty());
+}
+
 TEST(Footprint, HoldsBothEndsOfAnObjectThatMovesOverAStillGround) {
   Image motion = moving(0, 0);
   motion.at(0, 12, 12) = -15.5f;  // came from (27.5, 12)

@@ -192,7 +192,7 @@ TEST_F(BmfrHistory, ShowsNoBlocksWhereTheirGridHasMovedFromFrameToFrame) {
     }
     return most / all;
   };
-  const FilterPlan asked = parse_filter("bmfr:history=on,normals=off,positions=off");
+  const FilterPlan asked = parse_filter("bmfr:history=on,grids=1,normals=off,positions=off");
   Image history, first, last;
   for (int number = 0; number < 32; ++number) {
     const FilterPlan plan = resolved(asked, {.frame = number});
@@ -204,12 +204,17 @@ TEST_F(BmfrHistory, ShowsNoBlocksWhereTheirGridHasMovedFromFrameToFrame) {
   }
   EXPECT_GT(steps(first), 10);
   EXPECT_LT(steps(last), 0.5 * steps(first));
+  const FilterPlan left_to_it = resolved(parse_filter("bmfr:history=on,normals=off,positions=off"), {.frame = 0});
+  const Image alone = filtered_and_kept(left_to_it, wall(left_to_it, {0, 0, 160, 120}, 0), {});
+  EXPECT_LT(steps(alone), 0.5 * steps(first)) << "a frame without a history takes more grids";
 }
 
 TEST_F(BmfrHistory, TakesTheGridsOfThePaperAndFourWithoutIt) {
   EXPECT_EQ(grids_taken(parse_filter("bmfr").parameters), 4);
   EXPECT_EQ(grids_taken(parse_filter("bmfr:history=on").parameters), 1);
   EXPECT_EQ(grids_taken(parse_filter("bmfr:history=on,grids=3").parameters), 3);
+  EXPECT_EQ(grids_taken(without_history(parse_filter("bmfr:history=on")).parameters), 4);
+  EXPECT_EQ(grids_taken(without_history(parse_filter("bmfr:history=on,grids=1")).parameters), 1);
 }
 
 }  // namespace

@@ -33,7 +33,8 @@ class Histories : public OnDevice {
     Image whole(input.region(), 3 + plan.history());
     for (const Tile& tile : tiles_over(input.region(), size, plan.halo()))
       paste(whole, filter(*device_, plan, cropped(input, tile.outer), tile, input.region(),
-                          part(history, seen(plan, input, tile.outer))));
+                          touched(history, planes_of(input, plane_of(plan, Aov::motion, 0), 2), tile.outer,
+                                  input.region())));
     return whole;
   }
   // Of every frame of the shot what is kept of the one before; the first has none.
