@@ -45,22 +45,34 @@ struct Pixel {
   // A slanted edge between two surfaces.
   bool near() const { return 3 * x + 7 * y < 300; }
 
+  // Above and below 1.
+  float decades() const { return kind == "extreme" ? 30 : kind == "wide" ? 12 : 0; }
+  // 0, less than the smallest normal number, or so little that its square is.
+  float tiny() {
+    const float u = uniform(), v = uniform();
+    return v < 0.25f ? 0 : std::pow(10.0f, v < 0.75f ? -38 - 6.5f * u : -19.5f - 5 * u);
+  }
+  float or_tiny(float v) { return kind == "denormal" && uniform() < 0.25f ? tiny() : v; }
+
   float light() {
     const float u = uniform(), v = uniform();
     if (constant()) return 0.7f;
-    if (kind == "extreme") return std::pow(10.0f, 60 * u - 30);
+    if (const float d = decades(); d > 0) return std::pow(10.0f, 2 * d * u - d);
+    if (kind == "denormal" && v < 0.5f) return tiny();
     if (kind == "firefly" && v < 0.01f) return 1e6f * u;
     return (near() ? 1.0f : 0.3f) * u;
   }
   float variance() {
     if (kind == "converged") return 0;
     if (kind == "extreme") return std::pow(10.0f, 40 * uniform() - 30);
+    if (kind == "wide") return std::pow(10.0f, 4 * decades() * uniform() - 2 * decades());
+    if (kind == "denormal" && uniform() < 0.5f) return tiny();
     return 0.05f * uniform();
   }
   float normal(int i) {
     const float bend = constant() ? 0 : 0.02f * (uniform() - 0.5f);
     const float flat[] = {near() ? 0.6f : 0.0f, 0.0f, near() ? 0.8f : 1.0f};
-    return flat[i] + bend;
+    return i == 2 ? flat[i] + bend : or_tiny(flat[i] + bend);
   }
   float depth() { return (near() ? 3 + 0.01f * x : 9 - 0.02f * y) + (constant() ? 0 : 0.002f * uniform()); }
   float position(int i) {
@@ -104,14 +116,17 @@ struct Pixel {
   }
   float value(const Channel& c) {
     if (c.statistic == Statistic::variance_of_mean) return variance();
+    // Over a variance that counts as 0 it would be anything.
+    if (c.statistic == Statistic::third_moment && kind == "denormal") return 0;
     if (c.statistic == Statistic::third_moment) return 0.02f * (uniform() - 0.3f);
     if (c.statistic == Statistic::samples) return samples();
     switch (c.aov) {
       case Aov::emission:
-        return constant() || kind == "extreme" ? 0 : 0.1f * uniform();
+        if (kind == "denormal") return 1e-38f * uniform();
+        return constant() || decades() > 0 ? 0 : 0.1f * uniform();
       case Aov::albedo:
       case Aov::texture2:
-        return constant() ? 0.5f : near() ? 0.9f * uniform() : 0.25f;
+        return constant() ? 0.5f : or_tiny(near() ? 0.9f * uniform() : 0.25f);
       case Aov::normal:
       case Aov::bounce:
         return normal(c.index);
@@ -123,6 +138,9 @@ struct Pixel {
         return bin(c.index % kHistogramBins);
       case Aov::sample_vectors:
         return sample_value(c.index % SampleVector::size);
+      // Means that are told apart by variances: of two that differ by nothing, flushed ones say nothing.
+      case Aov::box_cox:
+        return kind == "denormal" ? uniform() : light();
       case Aov::motion:
         return movement().motion(c.index);
       case Aov::previous_depth:

@@ -11,8 +11,12 @@ namespace tessera {
 
 // noise: everything random   constant: the same light on flat, bare surfaces   sky: noise with a disc and
 // single pixels of sky   converged: noise of variance 0   firefly: noise with a few pixels 1e6 times brighter
-// extreme: light from 1e-30 to 1e30
-inline constexpr std::string_view kKinds[] = {"noise", "constant", "sky", "converged", "firefly", "extreme"};
+// extreme: light from 1e-30 to 1e30   denormal: half of light and variances, a quarter of features, is 0, or
+// that small or its square is
+inline constexpr std::string_view kKinds[] = {"noise",   "constant", "sky",     "converged",
+                                              "firefly", "extreme",  "denormal"};
+// Light from 1e-12 to 1e12, whose squares fit into a float.
+inline constexpr std::string_view kWide = "wide";
 
 // The planes of plan.inputs() over `region`. A pixel's values depend on its coordinates and `seed` only.
 // Seeds one after the other make frames of a shot: surfaces that pan, rest, leave and come, in which part of

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The kernels against the scalar references.
 #include <cmath>
+#include <span>
 
 #include "core/filter/descriptions.h"
 #include "tests/reference/references.h"
@@ -11,46 +12,94 @@ namespace {
 
 // Weights below 2^-126 are 0.
 constexpr double kSmallestWeight = 0x1p-125;
+// Numbers below the smallest normal one change no parameter: those are tried without.
+constexpr std::span kOrdinaryKinds = std::span(kKinds).first<std::size(kKinds) - 1>();
 
-void expect_close(const Image& result, const Image& expected, double relative, double of_largest,
-                  const std::string& what) {
+struct Bound {
+  double relative, of_largest, absolute;
+  Strays strays;
+};
+
+Bound bound_of(const FilterCase& c, std::string_view kind) {
+  const double many_decades = std::max(c.relative, c.extreme);
+  if (kind == "firefly") return {c.relative, std::max(c.of_largest, c.firefly), 0, c.of_fireflies};
+  if (kind == "extreme" || kind == kWide) return {many_decades, c.of_largest, 0, c.of_extremes};
+  if (kind == "denormal") return {many_decades, c.of_largest, c.flushed, c.of_denormals};
+  return {c.relative, c.of_largest, 0, {}};
+}
+
+void expect_close(const Image& result, const Image& expected, const Bound& b, const std::string& what) {
   double largest = 0, worst = 0;
+  std::size_t strays = 0;
   for (const float v : expected.data()) largest = std::max(largest, std::abs(double(v)));
   for (std::size_t i = 0; i < expected.data().size(); ++i) {
     const double e = expected.data()[i], difference = std::abs(result.data()[i] - e);
-    ASSERT_TRUE(difference <= relative * std::abs(e) + (kSmallestWeight + of_largest) * largest)
-        << what << ", value " << i << ": " << result.data()[i] << " is not " << e;
+    const double least = b.absolute + kSmallestWeight * largest;
+    const bool close = difference <= b.relative * std::abs(e) + b.of_largest * largest + least;
+    const bool stray = difference <= b.strays.relative * std::abs(e) + b.strays.of_largest * largest;
+    ASSERT_TRUE(close || stray) << what << ", value " << i << ": " << result.data()[i] << " is not " << e;
+    strays += !close;
     if (e != 0) worst = std::max(worst, difference / std::abs(e));
   }
+  // They come in pairs that weigh each other: two pixels, if there are some.
+  const double size = static_cast<double>(expected.data().size());
+  const double fewest = b.strays.share > 0 ? std::min(6.0, size / 20) : 0;
+  ASSERT_LE(strays, std::max(b.strays.share * size, fewest)) << what;
   testing::Test::RecordProperty(what, std::to_string(worst));
+}
+
+bool is_light(const Channel& c) {
+  const bool of_sample = c.aov == Aov::sample_vectors && c.index % SampleVector::size >= SampleVector::color;
+  return c.statistic == Statistic::mean && (c.aov <= Aov::emission || of_sample);
+}
+
+// The largest mean of some light in its units. Some filters divide it by the albedo of where it is, 1e-3 and
+// more, and multiply it by that of where it goes.
+double reach_of(const FilterPlan& plan) {
+  if (plan.name == "ddf") return 2;  // direct light and indirect light, added
+  constexpr std::string_view divide[] = {"atrous", "bmfr", "guided", "sure-atrous", "svgf"};
+  return std::ranges::find(divide, plan.name) == std::end(divide) ? 1 + 1e-6 : 1e3;
+}
+
+// A weighted mean lies between what it is a mean of, but for its rounding.
+void expect_within_the_light(const FilterCase& c, const FilterPlan& plan, const Image& input,
+                             const Image& result, const std::string& what) {
+  double largest = 0;
+  for (int k = 0; k < input.planes(); ++k)
+    if (is_light(plan.inputs()[k])) largest = std::max(largest, double(std::ranges::max(input.plane(k))));
+  for (int k = 0; k < 3; ++k)
+    for (const float v : result.plane(k))
+      ASSERT_TRUE(v >= -(c.below + 1e-6) * largest && v <= reach_of(plan) * largest)
+          << what << ": " << v / largest;
 }
 
 class AgainstReference : public OnDevice {
  protected:
-  void compare(const FilterCase& c, const FilterPlan& plan, const Region& region) {
-    for (const std::string_view kind : kKinds) {
-      const double relative = kind == "extreme" ? c.extreme : c.relative;
-      if (relative == 0) continue;
-      const Image input = made_up_input(plan, region, kind);
-      const double of_largest = kind == "firefly" ? std::max(c.of_largest, c.firefly) : c.of_largest;
-      expect_close(filtered_and_kept(plan, input), reference::filtered(plan, input), relative, of_largest,
-                   to_string(plan) + " on " + std::string(kind));
-    }
+  // A picture, or a frame after others of which `history` was kept. Returns what the reference makes of it.
+  Image compare(const FilterCase& c, const FilterPlan& plan, const Region& region, std::string_view kind,
+                unsigned frame = 1, const Image& history = {}) {
+    const std::string what =
+        to_string(plan) + " on frame " + std::to_string(frame) + " of " + std::string(kind);
+    const Image input = made_up_input(plan, region, kind, frame);
+    const Image result = filtered_and_kept(plan, input, history);
+    if (kind == "extreme") expect_within_the_light(c, plan, input, result, what);
+    if (kind == "extreme" && c.squares) return compare(c, plan, region, kWide, frame, history);
+    Image expected = reference::filtered(plan, input, history);
+    expect_close(result, expected, bound_of(c, kind), what);
+    return expected;
+  }
+  void compare(const FilterCase& c, const FilterPlan& plan, const Region& region,
+               std::span<const std::string_view> kinds = kKinds) {
+    for (const std::string_view kind : kinds) compare(c, plan, region, kind);
   }
   // Each frame with what the reference kept of the one before, for errors are not to add up; some of it is no
   // number.
   void compare_frames(const FilterCase& c, const FilterPlan& plan, const Region& region) {
     constexpr unsigned kFrames = 4;
     for (const std::string_view kind : kKinds) {
-      const double relative = kind == "extreme" ? c.extreme : c.relative;
-      if (relative == 0) continue;
       Image history;
       for (unsigned frame = 1; frame <= kFrames; ++frame) {
-        const Image input = made_up_input(plan, region, kind, frame);
-        const Image expected = reference::filtered(plan, input, history);
-        const double of_largest = kind == "firefly" ? std::max(c.of_largest, c.firefly) : c.of_largest;
-        expect_close(filtered_and_kept(plan, input, history), expected, relative, of_largest,
-                     to_string(plan) + " on frame " + std::to_string(frame) + " of " + std::string(kind));
+        const Image expected = compare(c, plan, region, kind, frame, history);
         history = planes_of(expected, 3, plan.history());
         spoil(history, frame);
       }
@@ -69,7 +118,7 @@ class AgainstReference : public OnDevice {
   void compare_variant(const FilterCase& like, const FilterPlan& plan) {
     const FilterPlan standard = parse_filter(plan.name);
     const Region region{-5, 3, 32, 32};
-    compare(like, plan, region);
+    compare(like, plan, region, kOrdinaryKinds);
     const Image input = made_up_input(plan, region, "noise");
     EXPECT_FALSE(
         same_bits(filtered(plan, input), filtered(standard, made_up_input(standard, region, "noise"))))
@@ -101,10 +150,15 @@ TEST_F(AgainstReference, FiltersWithHistoryComputeTheirFormulasFromFrameToFrame)
 TEST_F(AgainstReference, ParametersOfHistoriesReachTheKernels) {
   constexpr FilterCase cases[] = {
       {.text = "atrous:history=on,alpha=0.7", .of_largest = 1e-9},
-      {.text = "svgf:history=on,alpha=0.05,average=exponential,feedback=5", .extreme = 0, .firefly = 1e-9},
+      {.text = "svgf:history=on,alpha=0.05,average=exponential,feedback=5",
+       .firefly = 1e-9,
+       .of_extremes = {.share = 0.005, .of_largest = 1},
+       .of_denormals = {.share = 0.005, .of_largest = 1},
+       .flushed = 1e-3},
       {.text = "svgf:history=on,levels=2,alpha=0.6,alpha_moments=0.3,variance=spatial",
-       .extreme = 0,
-       .of_largest = 1e-12},
+       .of_largest = 1e-12,
+       .squares = true,
+       .flushed = 1e-3},
   };
   for (const FilterCase& c : cases) compare_frames(c, parse_filter(c.text), {4, 20, 40, 51});
 }
@@ -207,12 +261,13 @@ TEST_F(AgainstReference, ParametersReachTheKernels) {
       "nlm:mode=prefilter,radius=2,patch=1",
       "nlm:mode=prefilter,patch_mode=exp_of_mean,radius=2,k=1",
       "nlm:mode=prefilter,epsilon=0.01",
-      "nfor:depth_scale=10,window=3",
-      "nfor:depth_scale=10,window=3,k_narrow=0.2",
-      "nfor:depth_scale=10,window=3,k_wide=3",
-      "nfor:depth_scale=10,window=3,k_final=0.3",
-      "nfor:depth_scale=10,window=3,ridge=1",
-      "nfor:depth_scale=20,window=3",
+      // With one k: of two, fireflies in small windows leave the choice to rounding.
+      "nfor:depth_scale=10,window=3,k_narrow=1",
+      "nfor:depth_scale=10,window=3,k_narrow=0.2,k_wide=0.2",
+      "nfor:depth_scale=10,window=3,k_narrow=3,k_wide=3",
+      "nfor:depth_scale=10,window=3,k_narrow=1,k_final=0.3",
+      "nfor:depth_scale=10,window=3,k_narrow=1,ridge=1",
+      "nfor:depth_scale=20,window=3,k_narrow=1",
       "rdfc:depth_scale=10,window=3",
       "rdfc:depth_scale=10,k_c=1",
       "rdfc:depth_scale=10,k_f=2",
@@ -226,15 +281,8 @@ TEST_F(AgainstReference, ParametersReachTheKernels) {
   };
   for (const std::string_view text : texts) compare_variant(text);
   // Where the variance steers the edges, see filter_cases().
-  for (const FilterCase& c : {FilterCase{.text = "sure-atrous:edge=svgf", .extreme = 0},
-                              FilterCase{.text = "sure-atrous:edge=svgf,sigma_l=1", .extreme = 0}})
-    compare_variant(c, parse_filter(c.text));
-}
-
-TEST_F(AgainstReference, LightOfSixtyDecadesStaysBetweenItsBounds) {
-  const FilterPlan plan = parse_filter("svgf:variance=spatial");
-  const Image result = filtered(plan, made_up_input(plan, {0, 0, 61, 47}, "extreme"));
-  for (const float v : result.data()) ASSERT_TRUE(v >= 0 && v <= 4e30f) << v;
+  for (const std::string_view text : {"sure-atrous:edge=svgf", "sure-atrous:edge=svgf,sigma_l=1"})
+    compare_variant({.text = text, .of_extremes = {.share = 0.01, .of_largest = 1}}, parse_filter(text));
 }
 
 TEST_F(AgainstReference, PicturesOfOnePixelOneRowAndOneColumnAreFiltered) {
