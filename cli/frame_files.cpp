@@ -59,7 +59,7 @@ void FrameFiles::keep(const Kept& kept) const {
   file.display = kept.planes->region();
   file.pixels = *kept.planes;
   for (int p = 0; p < kept.planes->planes(); ++p)
-    file.channels.push_back({fmt::format("history.{:03}", p), false});
+    file.channels.push_back({fmt::format("history.{:03}", p), ExrType::float32});
   file.metadata[kHistory] = kept.key;
   write_exr(history(), file, "none");
 }

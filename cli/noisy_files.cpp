@@ -63,9 +63,10 @@ ExrImage delivered(const ExrImage& picture, const Image& rgb, const FilterPlan& 
     data.insert(data.end(), plane.begin(), plane.end());
   }
   for (int c = 0; c < 3; ++c) {
-    const int old = picture.plane(std::string(1, "RGB"[c]));
-    out.channels.push_back(
-        {std::string(1, "RGB"[c]), old < 0 || picture.channels[static_cast<std::size_t>(old)].half});
+    const std::string name(1, "RGB"[c]);
+    const int old = picture.plane(name);
+    const ExrType type = old < 0 ? ExrType::half : picture.channels[static_cast<std::size_t>(old)].type;
+    out.channels.push_back({name, type == ExrType::half ? type : ExrType::float32});
     data.insert(data.end(), rgb.plane(c).begin(), rgb.plane(c).end());
   }
   out.pixels = Image(rgb.region(), static_cast<int>(out.channels.size()), std::move(data));

@@ -35,7 +35,7 @@ class Layers {
     exr_.channels.erase(at);
   }
   void add(const std::string& name, std::span<const float> plane, bool half) {
-    exr_.channels.push_back({name, half});
+    exr_.channels.push_back({name, half ? ExrType::half : ExrType::float32});
     data_.insert(data_.end(), plane.begin(), plane.end());
   }
   // Planes 0, 1, … of `image` as layer.C for each letter C.

@@ -73,34 +73,41 @@ bool size_fits(std::string_view name, std::string_view value, std::int64_t most_
 
 }  // namespace
 
-bool exr_header_fits(std::string_view bytes, std::uintmax_t file_bytes, int most_edge) {
-  if (bytes.size() < kStart || !bytes.starts_with("\x76\x2f\x31\x01")) return true;
+ExrHeaders exr_headers(std::string_view bytes, std::uintmax_t file_bytes, int most_edge) {
+  if (bytes.size() < kStart || !bytes.starts_with("\x76\x2f\x31\x01")) return ExrHeaders::fit;
   const bool many = (static_cast<unsigned char>(bytes[5]) & kManyParts) != 0;
-  const bool whole = bytes.size() >= file_bytes;  // then nothing can be beyond
+  const ExrHeaders at_end = bytes.size() >= file_bytes ? ExrHeaders::lie : ExrHeaders::longer;
   std::string_view left = bytes.substr(kStart);
+  int parts = 0;
   bool first = true;  // attribute of its header
   while (!left.empty()) {
     if (left[0] == '\0') {
-      if (first || !many) return true;
+      if (first || !many) return ExrHeaders::fit;
       first = true;
       left.remove_prefix(1);
       continue;
     }
+    if (first && ++parts > kMostExrParts) return ExrHeaders::too_many;
     first = false;
     const auto name = take_text(left);
     const auto type = name ? take_text(left) : std::nullopt;
-    if (!type || left.size() < kSize) return !whole;
-    std::int32_t size = 0;
-    std::memcpy(&size, left.data(), kSize);
+    if (!type || left.size() < kSize) return at_end;
+    const std::int64_t size = number_at(left, 0);
     left.remove_prefix(kSize);
     const std::uintmax_t behind = file_bytes - (bytes.size() - left.size());
-    if (size < 0 || static_cast<std::uintmax_t>(size) > behind) return false;
-    if (static_cast<std::size_t>(size) > left.size()) return true;
+    if (size < 0 || static_cast<std::uintmax_t>(size) > behind) return ExrHeaders::lie;
+    if (static_cast<std::size_t>(size) > left.size()) return at_end;
     const std::string_view value = left.substr(0, static_cast<std::size_t>(size));
-    if (!length_fits(*type, value) || (most_edge > 0 && !size_fits(*name, value, most_edge))) return false;
+    if (!length_fits(*type, value) || (most_edge > 0 && !size_fits(*name, value, most_edge)))
+      return ExrHeaders::lie;
     left.remove_prefix(static_cast<std::size_t>(size));
   }
-  return !whole;
+  return at_end;
+}
+
+bool exr_header_fits(std::string_view bytes, std::uintmax_t file_bytes, int most_edge) {
+  const ExrHeaders found = exr_headers(bytes, file_bytes, most_edge);
+  return found == ExrHeaders::fit || found == ExrHeaders::longer;
 }
 
 }  // namespace tessera

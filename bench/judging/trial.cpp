@@ -56,7 +56,7 @@ ExrImage file_of(const Reference& r) {
     data.insert(data.end(), image->data().begin(), image->data().end());
   for (const char* layer : kLayers)
     for (const char letter : std::string_view("RGB"))
-      file.channels.push_back({std::string(layer) + letter, false});
+      file.channels.push_back({std::string(layer) + letter, ExrType::float32});
   file.pixels = Image(file.display, 3 * static_cast<int>(std::size(kLayers)), std::move(data));
   return file;
 }

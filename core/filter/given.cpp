@@ -18,7 +18,7 @@ std::string words_for(const Region& r) { return fmt::format("{} {} to {} {}", r.
 ExrImage given_file(const FilterPlan& plan, Image input, const Region& display) {
   ExrImage file;
   file.display = display;
-  for (const Channel& c : plan.inputs()) file.channels.push_back({file_channel(c), false});
+  for (const Channel& c : plan.inputs()) file.channels.push_back({file_channel(c), ExrType::float32});
   file.pixels = std::move(input);
   return file;
 }

@@ -34,8 +34,9 @@ class CompareSequence : public testing::Test {
   ~CompareSequence() override { fs::remove_all(folder_); }
 
   void write(const std::string& name, float value, const Region& region = kFrame) const {
+    constexpr auto kFloats = ExrType::float32;
     write_exr(folder_ / name,
-              {region, Image(region, 3, value), {{"R", false}, {"G", false}, {"B", false}}, {}});
+              {region, Image(region, 3, value), {{"R", kFloats}, {"G", kFloats}, {"B", kFloats}}, {}});
   }
   // Frames 8, 9, 10: the image rises, falls; the reference rises once.
   void write_three() const {

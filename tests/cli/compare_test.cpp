@@ -39,7 +39,7 @@ class Compare : public testing::Test {
   fs::path write(const std::string& name, float value, const std::string& channels = "RGB",
                  const Region& region = kFrame, const std::string& tile = "") const {
     ExrImage image{region, Image(region, static_cast<int>(channels.size()), value), {}, {}};
-    for (char c : channels) image.channels.push_back({std::string(1, c), false});
+    for (char c : channels) image.channels.push_back({std::string(1, c), ExrType::float32});
     if (!tile.empty()) image.metadata["tessera/tile"] = tile;
     write_exr(file(name), image);
     return file(name);

@@ -32,10 +32,10 @@ class DenoiseShot : public DenoiseFixture {
     std::normal_distribution<float> noise(0, 0.2f);
     for (std::size_t k = 0; k < channels.size(); ++k) {
       const Channel& c = channels[k];
-      image.channels.push_back({file_channel(c), false});
+      image.channels.push_back({file_channel(c), ExrType::float32});
       for (float& v : image.pixels.plane(static_cast<int>(k))) v = value(c, noise(random));
     }
-    for (const char* name : {"R", "G", "B"}) image.channels.push_back({name, false});
+    for (const char* name : {"R", "G", "B"}) image.channels.push_back({name, ExrType::float32});
     return image;
   }
   static float value(const Channel& c, float noise) {

@@ -30,9 +30,9 @@ class Denoise : public DenoiseFixture {
     for (const Channel& c : inputs) {
       std::string name = file_channel(c);
       if (c.aov == Aov::color) name = name.substr(name.find('.') + 1);  // as others call it
-      image.channels.push_back({name, false});
+      image.channels.push_back({name, ExrType::float32});
     }
-    image.channels.push_back({"mask.Y", false});
+    image.channels.push_back({"mask.Y", ExrType::float32});
     image.metadata["owner"] = "somebody";
     return image;
   }
@@ -51,6 +51,24 @@ TEST_F(Denoise, ReplacesThePictureAndKeepsAllElse) {
   EXPECT_EQ(std::get<std::string>(out.metadata.at("owner")), "somebody");
   EXPECT_EQ(std::get<std::string>(out.metadata.at("tessera/filter")), "atrous:levels=2");
   EXPECT_TRUE(fs::exists(path("out.png")));
+}
+
+TEST_F(Denoise, KeepsIntegersAndInfinitiesToTheBit) {
+  ExrImage in = picture();
+  const std::vector<std::uint32_t> ids(in.pixels.region().area(), 0xfffffffe);
+  const int id = in.plane("mask.Y"), sky = in.plane("Z");
+  in.channels[static_cast<std::size_t>(id)] = {"id.Y", ExrType::uint32};
+  std::ranges::fill(in.pixels.plane(id), static_cast<float>(ids[0]));
+  in.integers["id.Y"] = std::make_shared<const std::vector<std::uint32_t>>(ids);
+  in.channels[static_cast<std::size_t>(sky)].type = ExrType::half;
+  in.pixels.at(sky, 3, 4) = std::numeric_limits<float>::infinity();
+  write("in.exr", in);
+  EXPECT_EQ(run(options("in.exr", "out.exr")), 0);
+  const ExrImage out = read_exr(path("out.exr"));
+  EXPECT_EQ(out.channels, read_exr(path("in.exr")).channels);
+  ASSERT_TRUE(out.integers.contains("id.Y"));
+  EXPECT_EQ(*out.integers.at("id.Y"), ids);
+  EXPECT_EQ(out.pixels.at(out.plane("Z"), 3, 4), std::numeric_limits<float>::infinity());
 }
 
 TEST_F(Denoise, DoesNotDependOnTheMemoryThatTilesMayTake) {
@@ -112,7 +130,7 @@ TEST_F(Denoise, TakesGuidesFromFilesOfTheirOwn) {
     const std::string name = std::string("albedo.") + "RGB"[c];
     const int plane = whole.plane(name);
     std::ranges::copy(whole.pixels.plane(plane), albedo.pixels.plane(c).begin());
-    albedo.channels.push_back({std::string(1, "RGB"[c]), false});
+    albedo.channels.push_back({std::string(1, "RGB"[c]), ExrType::float32});
     whole.channels[static_cast<std::size_t>(plane)].name = "other." + std::to_string(c);
   }
   write("in.exr", whole);

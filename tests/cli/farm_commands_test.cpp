@@ -90,7 +90,7 @@ class FarmCommands : public Program {
   // Noise, as another renderer may have written it.
   std::string noisy(const std::string& name, int edge, unsigned seed) const {
     ExrImage picture;
-    for (const char* channel : {"R", "G", "B", "Z"}) picture.channels.push_back({channel, false});
+    for (const char* channel : {"R", "G", "B", "Z"}) picture.channels.push_back({channel, ExrType::float32});
     picture.pixels = Image({0, 0, edge, edge}, 4);
     std::minstd_rand random(seed);
     for (float& v : picture.pixels.data()) v = std::uniform_real_distribution<float>(0.1f, 1)(random);

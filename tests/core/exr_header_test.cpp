@@ -36,7 +36,8 @@ TEST(ExrHeader, OfValuesAsLongAsTheirTypesFits) {
   EXPECT_TRUE(fits(attribute("owner", "string", "anybody") + attribute("ours", "unheard of", "12345")));
 }
 
-// Behind such a value OpenEXR takes the value's rest for the next attribute, and makes room for what it promises.
+// Behind such a value OpenEXR takes the value's rest for the next attribute, and makes room for what it
+// promises.
 TEST(ExrHeader, OfAValueThatIsLongerOrShorterThanItsTypeDoesNotFit) {
   EXPECT_FALSE(fits(attribute("channels", "chlist", kChannel + kEnd + "more")));
   EXPECT_FALSE(fits(attribute("channels", "chlist", kChannel)));
@@ -49,6 +50,34 @@ TEST(ExrHeader, OfAValueThatIsLongerOrShorterThanItsTypeDoesNotFit) {
 
 TEST(ExrHeader, WhoseAttributeIsLongerThanTheFileDoesNotFit) {
   EXPECT_FALSE(fits(std::string("ours") + '\0' + "opaque" + '\0' + number(1634231040)));
+}
+
+const std::string kManyParts("\x76\x2f\x31\x01\x02\x10\0\0", 8);
+const std::string kOwner = attribute("owner", "string", "anybody");
+const std::string kLie = std::string("ours") + '\0' + "opaque" + '\0' + number(1634231040);
+
+ExrHeaders headers(const std::string& file) { return exr_headers(file, file.size(), 0); }
+
+TEST(ExrHeader, EveryPartsIsLookedAt) {
+  EXPECT_EQ(headers(kManyParts + kOwner + kEnd + kOwner + kEnd + kEnd + "pixels"), ExrHeaders::fit);
+  EXPECT_EQ(headers(kManyParts + kOwner + kEnd + kOwner + kLie + kEnd + kEnd), ExrHeaders::lie);
+  EXPECT_EQ(headers(kManyParts + kOwner + kEnd + attribute("owner", "float", "12345") + kEnd + kEnd),
+            ExrHeaders::lie);
+  EXPECT_EQ(headers(kManyParts + kOwner + kEnd + kOwner + kEnd), ExrHeaders::lie) << "they have no end";
+  EXPECT_EQ(headers(kStart + kOwner + kEnd + kLie), ExrHeaders::fit) << "no header any more";
+}
+
+TEST(ExrHeader, SaysThatThereIsMoreOfIt) {
+  const std::string file = kManyParts + kOwner + kEnd + kOwner + kEnd + kEnd;
+  for (std::size_t n = kManyParts.size(); n < file.size(); ++n)
+    EXPECT_EQ(exr_headers(file.substr(0, n), file.size(), 0), ExrHeaders::longer) << n;
+}
+
+TEST(ExrHeader, OfMorePartsThanAnImageMayHaveChannelsIsTooMany) {
+  std::string parts = kManyParts;
+  for (int i = 0; i < kMostExrParts; ++i) parts += kOwner + kEnd;
+  EXPECT_EQ(headers(parts + kEnd), ExrHeaders::fit);
+  EXPECT_EQ(headers(parts + kOwner + kEnd + kEnd), ExrHeaders::too_many);
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ class GivenFrames : public Service {
     Image rgb(file.pixels.region(), 3);
     for (int c = 0; c < 3; ++c) {
       const int plane = file.plane(std::string(1, "RGB"[c]));
-      EXPECT_FALSE(file.channels.at(static_cast<std::size_t>(plane)).half);
+      EXPECT_EQ(file.channels.at(static_cast<std::size_t>(plane)).type, ExrType::float32);
       std::ranges::copy(file.pixels.plane(plane), rgb.plane(c).begin());
     }
     return rgb;

@@ -61,8 +61,8 @@ TEST_F(GatherOfShots, ScalesMotionAsToldAndThenTakesThatOfUnknownUnitsToo) {
   ExrImage picture = picture_without({"motion"});
   picture.channels[0].name = "motionvector.R";
   picture.channels[1].name = "motionvector.G";
-  picture.channels.push_back({"direct.R", false});
-  picture.channels.push_back({"direct.G", false});
+  picture.channels.push_back({"direct.R", ExrType::float32});
+  picture.channels.push_back({"direct.G", ExrType::float32});
   picture.pixels = Image(kRegion, static_cast<int>(picture.channels.size()), 3.0f);
   EXPECT_THAT(refusal(picture), HasSubstr("--motion-scale, which says how to read motionvector.R"));
   Sources scaled;
@@ -75,7 +75,7 @@ TEST_F(GatherOfShots, ScalesMotionAsToldAndThenTakesThatOfUnknownUnitsToo) {
 TEST_F(GatherOfShots, TurnsTimeAroundForAFilterThatGoesBackwards) {
   ExrImage picture = picture_without({"motion", "previous"});
   for (const char* name : {"next_motion.X", "next_motion.Y", "next.Z"})
-    picture.channels.push_back({name, false});
+    picture.channels.push_back({name, ExrType::float32});
   picture.pixels = Image(kRegion, static_cast<int>(picture.channels.size()));
   std::ranges::fill(plane(picture, {Aov::next_motion, 0}), 4.0f);
   std::ranges::fill(plane(picture, {Aov::next_motion, 1}), -1.0f);

@@ -78,7 +78,7 @@ TEST(Given, OtherPixelsAndOtherChannelsAreRefusedWithWhatIsAccepted) {
   EXPECT_THAT(reading(nlm, renamed), ThrowsMessage<InputError>(HasSubstr("the blob: has no channel")));
   ExrImage more = given_file(none, numbered(none), kDisplay);
   EXPECT_NO_THROW(reading(none, more)());
-  more.channels.push_back({"extra", false});
+  more.channels.push_back({"extra", ExrType::float32});
   more.pixels = Image(kRegion, more.pixels.planes() + 1);
   EXPECT_THAT(reading(none, more), ThrowsMessage<InputError>(HasSubstr("channels; accepted: the 3")));
 }

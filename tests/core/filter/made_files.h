@@ -24,7 +24,7 @@ inline ExrImage file(const std::vector<std::string>& names) {
   image.display = kRegion;
   image.pixels = Image(kRegion, static_cast<int>(names.size()));
   for (std::size_t i = 0; i < names.size(); ++i) {
-    image.channels.push_back({names[i], false});
+    image.channels.push_back({names[i], ExrType::float32});
     std::ranges::fill(image.pixels.plane(static_cast<int>(i)), static_cast<float>(i + 1));
   }
   return image;
