@@ -9,6 +9,7 @@
 #include "cli/denoise_words.h"
 #include "cli/frame_store.h"
 #include "cli/walk.h"
+#include "cli/worse.h"
 #include "core/error.h"
 #include "core/sequence.h"
 
@@ -60,7 +61,7 @@ class Denoiser {
       words_.failed(number, e.what());
       failed_.insert(number);
       walk.failed(number);
-      if (wanted_.contains(number)) worst_ = e.code();
+      if (wanted_.contains(number)) worst_ = worse(worst_, e.code());
     }
   }
 

@@ -17,11 +17,11 @@ class App;
 namespace tessera {
 
 struct DenoiseOptions {
-  std::string input, output;  // EXR files, or patterns of a sequence
-  std::string frames;         // of a sequence; empty: all that are there
-  std::string cuts;           // frames that start anew
-  int handles = 0;            // frames around them that are read for the sake of history
-  bool both_ways = false;     // by the frames that follow, too
+  std::string input, output;          // EXR files, or patterns of a sequence
+  std::optional<std::string> frames;  // of a sequence; none: all that are there
+  std::string cuts;                   // frames that start anew
+  int handles = 0;                    // frames around them that are read for the sake of history
+  bool both_ways = false;             // by the frames that follow, too
   std::string filter = "svgf";
   std::vector<std::string> guides;  // LAYER=FILE
   std::string motion_scale;         // X,Y; empty: as the vectors' names say

@@ -17,6 +17,7 @@
 #include "cli/succession.h"
 #include "cli/temporary_folder.h"
 #include "cli/walk.h"
+#include "cli/worse.h"
 #include "core/filter/given.h"
 #include "core/sequence.h"
 #include "proto/submission_codec.h"
@@ -107,7 +108,7 @@ class FarmDenoiser {
     } catch (const Error& e) {
       if (e.code() == ExitCode::bad_usage) throw;
       words_.failed(number, e.what());
-      if (wanted_.contains(number)) worst_ = e.code();
+      if (wanted_.contains(number)) worst_ = worse(worst_, e.code());
       return false;
     }
   }
@@ -176,7 +177,7 @@ class FarmDenoiser {
                 .quiet = o_.quiet,
                 .frames = fmt::format("{}", fmt::join(wanted_, ",")),
                 .told = [&](const FrameSummary& f, const fs::path& exr) { came(row, f, exr, take); }});
-    if (farm_end_ == ExitCode::done) farm_end_ = end;
+    farm_end_ = worse(farm_end_, end);
   }
 
   void came(Row& row, const FrameSummary& f, const fs::path& exr, const Take& take) {

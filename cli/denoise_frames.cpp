@@ -24,7 +24,7 @@ std::set<int> with_handles(const std::set<int>& wanted, const std::vector<int>& 
 }
 
 std::set<int> wanted_frames(const DenoiseOptions& o, const std::vector<int>& there) {
-  const std::vector<int> frames = o.frames.empty() ? there : parse_frames(o.frames);
+  const std::vector<int> frames = o.frames ? parse_frames(*o.frames) : there;
   if (frames.empty())
     throw InputError(o.input, "no file of that pattern is there", "a sequence of EXR files");
   return {frames.begin(), frames.end()};
@@ -39,7 +39,7 @@ void check_options(const DenoiseOptions& o, const FilterPlan& plan) {
   if (!sequence && is_pattern(o.output))
     refuse_option("--output", o.output, "a name without #### and %04d, as the input is a single image");
   constexpr std::string_view kSequence = "only with an input that has #### or %04d in its name";
-  if (!sequence && !o.frames.empty()) refuse_option("--frames", o.frames, kSequence);
+  if (!sequence && o.frames) refuse_option("--frames", *o.frames, kSequence);
   if (sequence && !is_pattern(o.output))
     refuse_option("--output", o.output, "a name with #### or %04d, as the input is a sequence");
   if (o.handles == 0 && !o.both_ways && o.cuts.empty()) return;

@@ -26,7 +26,7 @@ class FrameFiles {
   FrameFiles(std::filesystem::path output, bool many);
 
   std::filesystem::path frame(int number) const;
-  // Whether the frame's file is whole, and of that image (resume.h).
+  // Whether the frame's file is whole, and known by that file_key() (frame_writer.h).
   bool holds(int number, const std::string& key) const;
 
   // For shots; of single frames nothing is kept. Each replaces the one before.

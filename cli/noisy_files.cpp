@@ -96,6 +96,8 @@ std::vector<NoisyFiles::Guide> NoisyFiles::guides_of(const DenoiseOptions& o) {
                                                    unknown("layer", layer, known), fmt::join(known, ", ")));
     if (std::ranges::find(guides, layer, &Guide::layer) != guides.end())
       refuse_option("--guide", text, "one file for each layer");
+    if (is_pattern(o.input) && !is_pattern(text.substr(sign + 1)))
+      refuse_option("--guide", text, "a name with #### or %04d, as the input is a sequence");
     guides.push_back({layer, text.substr(sign + 1)});
   }
   return guides;

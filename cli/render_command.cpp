@@ -18,6 +18,7 @@
 #include "cli/subcommand.h"
 #include "cli/under_way.h"
 #include "cli/version.h"
+#include "cli/worse.h"
 #include "coordinator/frame_writer.h"
 #include "coordinator/resume.h"
 #include "core/error.h"
@@ -94,7 +95,8 @@ class Rendering {
   // Leaves out what is there already.
   void resume() {
     std::vector<bool> done;
-    for (std::size_t i = 0; i < jobs_.size(); ++i) done.push_back(files_.holds(jobs_[i].frame, keys_[i]));
+    for (std::size_t i = 0; i < jobs_.size(); ++i)
+      done.push_back(files_.holds(jobs_[i].frame, file_key(keys_[i], style_)));
     const auto kept = files_.kept(jobs_.front());
     const Remaining r = remaining(jobs_, keys_, done, kept ? kept->key : "");
     left_ = r.frames;
@@ -118,7 +120,8 @@ class Rendering {
     note(code);
     if (report.failure) throw Error(code, *report.failure);
     const fs::path file = files_.frame(job.frame);
-    const std::string key = code == ExitCode::interrupted ? "" : key_of(i, report);
+    keys_[i] = key_as_made(jobs_, keys_, i, report.continued);
+    const std::string key = code == ExitCode::interrupted ? "" : keys_[i];
     write(file, job, report, key);
     if (report.kept && !key.empty()) files_.keep({key, report.kept});
     if (!o_.quiet) summarise(job, report, file);
@@ -134,27 +137,13 @@ class Rendering {
     write_frame(file, fs::path(file).replace_extension(".png"), job, report, style_, key);
   }
 
-  // Of the image as it came to be: after a frame that failed, one that goes by nothing.
-  std::string key_of(std::size_t i, const JobReport& report) const {
-    return report.continued ? keys_[i] : image_key(jobs_[i], "");
-  }
-
-  // An interruption tells more than a failure, that more than a limit.
-  void note(ExitCode code) {
-    const auto rank = [](ExitCode c) {
-      return c == ExitCode::interrupted        ? 3
-             : c == ExitCode::stopped_at_limit ? 1
-             : c == ExitCode::done             ? 0
-                                               : 2;
-    };
-    if (rank(code) > rank(worst_)) worst_ = code;
-  }
+  void note(ExitCode code) { worst_ = worse(worst_, code); }
 
   const RenderOptions& o_;
   const FrameFiles& files_;
   FrameStyle style_;
   std::vector<Job> jobs_;
-  std::vector<std::string> keys_;  // of their images
+  std::vector<std::string> keys_;  // of their images; of those that have ended, as they came to be
   std::vector<std::size_t> left_;  // of the jobs: still to be done
   Shot shot_;                      // of those
   std::size_t ended_ = 0;          // frames
@@ -175,6 +164,7 @@ int render_scene(const RenderOptions& o) {
   const Signals signals([&](int signal) { under_way.hear(signal); });
   const auto scene = std::make_shared<const Scene>(load_scene(o.scene, o.limits));
   check_choices(o, *scene);
+  warn_of_few_samples(o);
 
   Rendering rendering(o, files, *scene, submission_of(o, *scene));
   if (rendering.nothing_left()) return static_cast<int>(ExitCode::done);

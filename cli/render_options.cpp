@@ -2,6 +2,7 @@
 #include "cli/render_options.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <array>
@@ -99,9 +100,11 @@ void describe_job(CLI::App& app, RenderOptions& o) {
          "Stop when the relMSE of every part of the image is below: draft (0.01), good (0.0025), final\n"
          "(0.0005) or relmse=X [good, unless --samples or --time is given]")
       ->envname("TESSERA_UNTIL");
-  app.add_option("--samples", o.samples,
-                 "Most samples per pixel, rounded up to a power of two [4096]; without --until, what every "
-                 "pixel gets")
+  app.add_option(
+         "--samples", o.samples,
+         fmt::format("Most samples per pixel, rounded up to a power of two, {} at least [4096]; without "
+                     "--until, what every pixel gets",
+                     kLeafSamples))
       ->envname("TESSERA_SAMPLES");
   app.add_option("--time", o.seconds, "Most seconds; the image of the last complete round is written")
       ->envname("TESSERA_TIME");
@@ -179,6 +182,12 @@ AovSet groups_of(const RenderOptions& o, std::size_t groups) {
   if (std::find(o.aovs.begin(), o.aovs.end(), kLightGroups) == o.aovs.end()) return set;
   for (std::size_t g = 0; g < groups; ++g) set = set | AovSet{light_group_aov(static_cast<int>(g))};
   return set;
+}
+
+// Sums over samples have leaves of that many, so that they come out the same however the work is split.
+void warn_of_few_samples(const RenderOptions& o) {
+  if (o.samples && *o.samples < kLeafSamples)
+    spdlog::warn("--samples {}: at least {} are taken", *o.samples, kLeafSamples);
 }
 
 Job job_of(const RenderOptions& o) {

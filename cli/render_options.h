@@ -54,6 +54,9 @@ void describe_job(CLI::App&, RenderOptions&);
 // The job without its scene's hash. Throws Error(bad_usage) naming the option and what it takes.
 Job job_of(const RenderOptions&);
 
+// Says so in the log if more samples are taken than are asked for.
+void warn_of_few_samples(const RenderOptions&);
+
 // The AOVs of the scene's light groups, if they are asked for.
 AovSet groups_of(const RenderOptions&, std::size_t groups);
 

@@ -74,6 +74,7 @@ int submit(SubmitCommand& c) {
   const BundledScene bundled =
       load_bundled(c.render.scene, {c.roots.begin(), c.roots.end()}, c.render.limits);
   check_choices(c.render, bundled.scene);
+  warn_of_few_samples(c.render);
   const std::string submission = encode(submission_of(c, bundled));
   FarmLink farm(c.link);
   const std::uint64_t sent = farm.client().upload(blobs_of(bundled, submission), upload_bar(c.render.quiet));

@@ -5,7 +5,9 @@
 
 #include "coordinator/output.h"
 #include "core/exr.h"
+#include "core/layers.h"
 #include "core/png.h"
+#include "core/sha256.h"
 
 namespace tessera {
 namespace {
@@ -37,6 +39,14 @@ FrameStyle style_of(const Submission& s, const std::string& version) {
   return style;
 }
 
+std::string file_key(const std::string& image_key, const FrameStyle& style) {
+  const FrameStyle usual;
+  if (style.filter_inputs.empty() && style.compression == usual.compression) return image_key;
+  std::string text = fmt::format("{} {}", image_key, style.compression);
+  for (const Channel& c : style.filter_inputs) text += " " + file_channel(c);
+  return sha256(text);
+}
+
 void write_frame(const fs::path& exr, const fs::path& png, const Job& job, const JobReport& report,
                  const FrameStyle& style, const std::string& key) {
   const Provenance from{.version = style.version,
@@ -47,7 +57,7 @@ void write_frame(const fs::path& exr, const fs::path& png, const Job& job, const
                         .objects = style.names.objects,
                         .materials = style.names.materials,
                         .dropped = report.dropped,
-                        .key = key,
+                        .key = key.empty() ? "" : file_key(key, style),
                         .filter_inputs = style.filter_inputs,
                         .facts = style.facts};
   const ExrImage image = layered(job, report.image, from);

@@ -23,8 +23,12 @@ struct FrameStyle {
 };
 FrameStyle style_of(const Submission&, const std::string& version);
 
-// Both written beside and renamed. `key` as in Provenance. Throws InputError for a place that cannot be
-// written.
+// What a frame's file is known by: its image's key (resume.h), and where they are not the usual ones, the
+// layers that another filter takes and the compression. A file that lacks layers is not what was asked for.
+std::string file_key(const std::string& image_key, const FrameStyle&);
+
+// Both written beside and renamed. `key`: of the image, whose file_key() is written; empty: none is. Throws
+// InputError for a place that cannot be written.
 void write_frame(const std::filesystem::path& exr, const std::filesystem::path& png, const Job&,
                  const JobReport&, const FrameStyle&, const std::string& key);
 

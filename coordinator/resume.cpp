@@ -34,6 +34,11 @@ std::vector<std::string> image_keys(const std::vector<Job>& frames) {
   return keys;
 }
 
+std::string key_as_made(const std::vector<Job>& frames, const std::vector<std::string>& keys,
+                        std::size_t frame, bool continued) {
+  return image_key(frames[frame], continued ? keys[frame - 1] : "");
+}
+
 Remaining remaining(const std::vector<Job>& frames, const std::vector<std::string>& keys,
                     const std::vector<bool>& done, std::string_view kept) {
   std::vector<bool> wanted(frames.size());

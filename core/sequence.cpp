@@ -16,9 +16,9 @@ namespace {
 constexpr int kFarthest = 999'999;
 constexpr std::string_view kAccepted = "ranges such as 1-10, 1-100x2 or 7, separated by commas";
 
-[[noreturn]] void refuse(std::string_view part, std::string_view why) {
+[[noreturn]] void refuse(std::string_view part, std::string_view why, std::string_view accepted = kAccepted) {
   throw Error(ExitCode::bad_usage,
-              fmt::format("frames: '{}' {}; accepted: {}", part.substr(0, 64), why, kAccepted));
+              fmt::format("frames: '{}' {}; accepted: {}", part.substr(0, 64), why, accepted));
 }
 
 // Takes a whole number from the front of `rest`.
@@ -96,7 +96,8 @@ std::vector<int> parse_frames(std::string_view text) {
     const std::string_view part = text.substr(begin, end - begin);
     const Range r = parse_range(part);
     for (int f = r.first; f <= r.last; f += r.step) {
-      if (frames.size() >= kMaxFrames) refuse(part, fmt::format("leads to more than {} frames", kMaxFrames));
+      if (frames.size() >= kMaxFrames)
+        refuse(part, "leads to too many frames", fmt::format("at most {} frames", kMaxFrames));
       if (seen.insert(f).second) frames.push_back(f);
     }
     begin = end + 1;

@@ -9,10 +9,11 @@
 
 namespace tessera {
 
-inline constexpr int kMaxFrames = 1'000'000;  // of one range
+inline constexpr int kMaxFrames = 100'000;  // of one job: the coordinator keeps a record of each
 
-// "1-10x2,15": ranges with an optional step, and single numbers, in the order given, each once. Numbers from
-// -999999 to 999999; "-5--1" counts from -5 to -1. Throws Error(bad_usage) that says where it goes wrong.
+// "1-10x2,15": ranges with an optional step, and single numbers, in the order given, each once. At most
+// kMaxFrames; numbers from -999999 to 999999; "-5--1" counts from -5 to -1. Throws Error(bad_usage) that says
+// where it goes wrong.
 std::vector<int> parse_frames(std::string_view text);
 
 // "1-3, 7": ascending numbers for people.

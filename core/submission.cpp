@@ -63,7 +63,7 @@ void validate(const Submission& s) {
   require(s.after.size() <= kMaxAfter && std::ranges::all_of(s.after, is_job_name), "after",
           "at most 64 jobs");
   require_limits(s.limits);
-  require(!s.frames.empty() && s.frames.size() <= kMaxFrames, "frames", "1 to 1000000");
+  require(!s.frames.empty() && s.frames.size() <= kMaxFrames, "frames", fmt::format("1 to {}", kMaxFrames));
   require(std::unordered_set<int>(s.frames.begin(), s.frames.end()).size() == s.frames.size(), "frames",
           "each once");
   require(

@@ -5,8 +5,10 @@
 
 #include <atomic>
 #include <mutex>
+#include <optional>
 #include <thread>
 
+#include "core/error.h"
 #include "core/exr.h"
 #include "core/scene/facts.h"
 #include "core/scene/load.h"
@@ -68,6 +70,20 @@ Image layer_of(const ExrImage& file, const std::string& layer) {
   return image;
 }
 
+// None if it is not there, or not whole: it is made again.
+std::optional<Reference> reference_in(const std::filesystem::path& file, const Region& frame) {
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  try {
+    const ExrImage there = read_exr(file);
+    if (there.pixels.region() != frame) return std::nullopt;
+    return Reference{layer_of(there, kLayers[0]), layer_of(there, kLayers[1]), layer_of(there, kLayers[2]),
+                     layer_of(there, kLayers[3])};
+  } catch (const Error& e) {
+    fmt::print(stderr, "{}; it is rendered again\n", e.what());
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 Trial::Trial(Scenery scenery, Size size, AovSet aovs, int number)
@@ -113,11 +129,7 @@ Reference reference_of(const Trial& trial, int samples, const std::filesystem::p
   const int number = trial.scenery_.scene->tracks.empty() ? 0 : trial.number_;  // nothing moves: all are one
   const auto file = folder / fmt::format("{}_{:04}_{}x{}_{}.exr", trial.scenery_.hash, number, size.width,
                                          size.height, samples);
-  if (std::filesystem::exists(file)) {
-    const ExrImage there = read_exr(file);
-    return {layer_of(there, kLayers[0]), layer_of(there, kLayers[1]), layer_of(there, kLayers[2]),
-            layer_of(there, kLayers[3])};
-  }
+  if (auto there = reference_in(file, trial.frame_)) return *std::move(there);
   RenderSettings settings = trial.settings_;
   settings.seed = kReferenceSeed;
   settings.aovs = AovSet{Aov::color};

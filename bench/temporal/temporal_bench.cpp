@@ -140,7 +140,8 @@ std::vector<Contestant> contestants_of(const Options& o) {
 
 int run(const Options& o) {
   Results results{.samples = o.samples, .reference_samples = o.reference, .frames = o.frames};
-  if (std::sscanf(o.size.c_str(), "%dx%d", &results.size.width, &results.size.height) != 2 ||
+  char more = 0;
+  if (std::sscanf(o.size.c_str(), "%dx%d%c", &results.size.width, &results.size.height, &more) != 2 ||
       results.size.width < 16 || results.size.height < 16 || results.size.width > 4096 ||
       results.size.height > 4096)
     throw Error(ExitCode::bad_usage, "--size: WxH, each from 16 to 4096");

@@ -25,6 +25,12 @@ std::vector<FrameRecord> all_frames(Store& store, std::uint64_t job) {
   }
 }
 
+// Frames that ended in an earlier life may have gone by another history than was meant.
+void take_keys(OpenJob& job) {
+  for (std::size_t i = 0; i < job.frames.size(); ++i)
+    if (has_ended(job.frames[i]) && !job.frames[i].image_key.empty()) job.keys[i] = job.frames[i].image_key;
+}
+
 }  // namespace
 
 void Farm::recover() {
@@ -112,6 +118,7 @@ void Farm::begin(OpenJob& job) {
   for (const std::size_t place : left.places) shot.frames.push_back(job.jobs[place]);
   std::vector<std::string> identities;
   for (const std::string& key : job.keys) identities.push_back(key + " " + options_.version);
+  take_keys(job);
   job.keeper =
       std::make_shared<FarmKeeper>(store_, job.record.number, left.places, std::move(identities), job.frames,
                                    [this](const std::string& what) { have_trouble(what); });
@@ -146,9 +153,9 @@ void Farm::ended(const JobName& name, std::size_t i, JobReport report) {
   if (report.image.rounds > 0) frame.error = report.image.error.mean;
   job.samples_before += frame.pixel_samples;
   ++job.writing;
-  const std::string key = report.continued ? job.keys[place] : image_key(job.jobs[place], "");
-  clerk_.write(
-      {name, place, job.jobs[place], std::move(report), style_of(job.submission, options_.version), key});
+  frame.image_key = job.keys[place] = key_as_made(job.jobs, job.keys, place, report.continued);
+  clerk_.write({name, place, job.jobs[place], std::move(report), style_of(job.submission, options_.version),
+                frame.image_key});
 }
 
 void Farm::save(OpenJob& job) try {

@@ -6,10 +6,6 @@
 namespace tessera {
 namespace {
 
-bool has_ended(const FrameRecord& f) {
-  return f.state == FrameState::completed || f.state == FrameState::limited || f.state == FrameState::failed;
-}
-
 std::size_t largest_frame(const Submission& s) {
   const auto area = [](const SubmittedFrame& frame) { return frame.region.area(); };
   const auto largest = std::ranges::max_element(s.given, {}, area);
@@ -21,6 +17,10 @@ std::size_t largest_frame(const Submission& s) {
 double bytes_of(const Submission& s) {
   const std::size_t frames = std::min<std::size_t>(s.frames.size(), Shot{}.in_flight);
   return frame_bytes(job_of(s, largest_frame(s))) * static_cast<double>(frames);
+}
+
+bool has_ended(const FrameRecord& f) {
+  return f.state == FrameState::completed || f.state == FrameState::limited || f.state == FrameState::failed;
 }
 
 // A frame whose history is gone takes those along that lead up to it.

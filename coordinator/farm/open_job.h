@@ -28,7 +28,7 @@ struct OpenJob {
   // From here on only of one that was begun in this life.
   std::optional<ShotId> shot;          // being worked on
   std::vector<Job> jobs;               // of all frames
-  std::vector<std::string> keys;       // of their images
+  std::vector<std::string> keys;       // of their images; of those that have ended, as they came to be
   std::vector<std::size_t> places;     // of the shot's frames in the job
   std::vector<FrameRecord> frames;     // all
   std::shared_ptr<FarmKeeper> keeper;  // of the shot
@@ -38,6 +38,8 @@ struct OpenJob {
   std::size_t writing = 0;                   // frames that have ended, whose files are not there yet
   std::optional<std::string> limit_reached;  // which, and so it is being ended
 };
+
+bool has_ended(const FrameRecord&);
 
 // What is left to do of a job's frames: their places, and of those that go by a history that is there, its
 // blob (empty: by none, as the frame before has failed).

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "cli/walk.h"
+#include "cli/worse.h"
 #include "core/layers.h"
 #include "tests/cli/denoise_fixture.h"
 
@@ -117,6 +118,30 @@ TEST_F(Denoise, GoesThroughASequenceAndLosesNoFrameForAnother) {
   EXPECT_EQ(run(some), 0);
   EXPECT_TRUE(fs::exists(path("some.04.exr")));
   EXPECT_FALSE(fs::exists(path("some.02.exr")));
+  DenoiseOptions none = options("in.####.exr", "none.####.exr");
+  none.frames = "";
+  EXPECT_EQ(error_of(none).code(), ExitCode::bad_usage) << "a script whose variable is empty wants no frames";
+  EXPECT_FALSE(fs::exists(path("none.0001.exr")));
+}
+
+TEST_F(Denoise, EndsWithTheCodeOfTheWorstFrameAndNotOfTheLast) {
+  using enum ExitCode;
+  EXPECT_EQ(worse(done, stopped_at_limit), stopped_at_limit);
+  EXPECT_EQ(worse(stopped_at_limit, out_of_memory), out_of_memory);
+  EXPECT_EQ(worse(out_of_memory, bad_input), out_of_memory) << "the first of two failures";
+  EXPECT_EQ(worse(bad_input, stopped_at_limit), bad_input);
+  EXPECT_EQ(worse(bad_input, interrupted), interrupted);
+  EXPECT_EQ(worse(interrupted, bad_input), interrupted);
+
+  ExrImage large = picture();
+  large.display = {0, 0, 400, 300};
+  large.pixels = Image(large.display, large.pixels.planes(), 0.5f);
+  write("in.1.exr", large);
+  std::ofstream(path("in.2.exr")) << "no EXR";
+  DenoiseOptions o = options("in.#.exr", "out.#.exr");
+  o.filter = "atrous";
+  o.memory = 1;
+  EXPECT_EQ(run(o), static_cast<int>(out_of_memory)) << problems_;
 }
 
 TEST_F(Denoise, TakesGuidesFromFilesOfTheirOwn) {
@@ -201,6 +226,10 @@ TEST_F(Denoise, RefusesWhatMakesNoSense) {
   EXPECT_THAT(error_of(o).what(), HasSubstr("did you mean 'albedo'"));
   o.guides = {"Z=" + path("in.exr"), "Z=" + path("in.exr")};
   EXPECT_THAT(error_of(o).what(), HasSubstr("one file for each layer"));
+  DenoiseOptions many = options("in.####.exr", "out.####.exr");
+  many.guides = {"albedo=" + path("in.exr")};
+  EXPECT_EQ(error_of(many).code(), ExitCode::bad_usage);
+  EXPECT_THAT(error_of(many).what(), HasSubstr("as the input is a sequence"));
   EXPECT_THAT(error_of(options("in.exr", "out.png")).what(), HasSubstr("ends in .exr"));
   EXPECT_THAT(error_of(options("in.exr", "out.####.exr")).what(), HasSubstr("a single image"));
   o = options("in.exr", "out.exr");

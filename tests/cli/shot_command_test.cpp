@@ -8,6 +8,8 @@
 #include <map>
 
 #include "core/exr.h"
+#include "core/filter/filter.h"
+#include "core/layers.h"
 #include "tests/cli/program.h"
 
 namespace tessera {
@@ -68,6 +70,23 @@ TEST_F(Shots, FramesThatAreThereAreLeftOutAndBrokenOrOtherOnesAreNot) {
   EXPECT_FALSE(same_bits(picture(1), first));
 }
 
+TEST_F(Shots, FilesThatLackLayersOrAreOtherwiseCompressedAreMadeAgain) {
+  const auto has_all = [&](int frame) {
+    const ExrImage file = read_exr(path("c.000" + std::to_string(frame) + ".exr"));
+    return std::ranges::all_of(parse_filter(filter_).inputs(),
+                               [&](const Channel& c) { return file.plane(file_channel(c)) >= 0; });
+  };
+  render("1-2");
+  EXPECT_FALSE(has_all(2));
+  EXPECT_THAT(render("1-2").text, HasSubstr("2 of 2 frames are there already"));
+  const std::vector<std::string> layers{"--layers-for", filter_};
+  EXPECT_THAT(render("1-2", layers).text, Not(HasSubstr("there already")));
+  EXPECT_TRUE(has_all(1) && has_all(2));
+  EXPECT_THAT(render("1-2", layers).text, HasSubstr("2 of 2 frames are there already"));
+  EXPECT_THAT(render("1-2", {"--compression", "piz"}).text, Not(HasSubstr("there already")));
+  EXPECT_THAT(render("1-3", {"--compression", "piz"}).text, HasSubstr("2 of 3 frames are there already"));
+}
+
 TEST_F(Shots, KilledAtAnyMomentAndTakenUpAgainTheyAreTheSame) {
   const Outcome whole = render("1-5");
   ASSERT_EQ(whole.code, 0) << whole.text;
@@ -99,8 +118,8 @@ TEST_F(Shots, KilledAtAnyMomentAndTakenUpAgainTheyAreTheSame) {
 
 TEST_F(Shots, AreFilteredByDenoiseToTheSameBits) {
   ASSERT_EQ(render("1-3", {"--layers-for", filter_}).code, 0);
-  const Outcome outcome =
-      run({"denoise", path("c.####.exr"), "-o", path("d.####.exr"), "--filter", filter_, "--tile-size", "40"});
+  const Outcome outcome = run(
+      {"denoise", path("c.####.exr"), "-o", path("d.####.exr"), "--filter", filter_, "--tile-size", "40"});
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   for (const std::string frame : {"0001", "0002", "0003"}) {
     const ExrImage a = read_exr(path("c." + frame + ".exr")), b = read_exr(path("d." + frame + ".exr"));

@@ -176,6 +176,22 @@ TEST(ImageKeys, OfFramesThatGoOnDependOnAllThatLeadUpToThem) {
   EXPECT_NE(keys[2], later[1]) << "the same frame of a shot that begins later";
 }
 
+TEST(KeyAsMade, BehindAFrameThatFailedIsThatOfAShotThatBeginsThere) {
+  const auto shot = frames({1, 2, 3, 4, 5});
+  const auto meant = image_keys(shot);
+  auto keys = meant;
+  for (const std::size_t i : {0u, 1u, 3u, 4u})  // the third has failed
+    keys[i] = key_as_made(shot, keys, i, i != 0 && i != 3);
+  EXPECT_EQ(keys[1], meant[1]);
+  const auto anew = image_keys(frames({4, 5}));
+  EXPECT_EQ(keys[3], anew[0]);
+  EXPECT_EQ(keys[4], anew[1]) << "its history is another, too";
+  EXPECT_NE(keys[4], meant[4]);
+  std::vector<bool> done;
+  for (std::size_t i = 0; i < shot.size(); ++i) done.push_back(i != 2 && keys[i] == meant[i]);
+  EXPECT_THAT(remaining(shot, meant, done, meant[1]).frames, ElementsAre(2, 3, 4));
+}
+
 std::vector<std::size_t> left(const std::vector<Job>& jobs, std::vector<bool> done, int kept = -1) {
   const auto keys = image_keys(jobs);
   return remaining(jobs, keys, done, kept < 0 ? "" : keys[static_cast<std::size_t>(kept)]).frames;

@@ -33,9 +33,16 @@ TEST(Frames, ThatMakeNoSenseAreRefusedWithWhatIsAccepted) {
     }
 }
 
-TEST(Frames, BeyondAMillionAreRefused) {
-  EXPECT_EQ(parse_frames("0-999999").size(), 1'000'000u);
-  EXPECT_THROW(parse_frames("-999999-999999"), Error);
+TEST(Frames, BeyondAHundredThousandAreRefusedWithThatNumber) {
+  EXPECT_EQ(parse_frames("0-99999").size(), 100'000u);
+  EXPECT_EQ(parse_frames("0-999999x10").size(), 100'000u);
+  for (const char* text : {"0-100000", "0-99999,-5", "0-999999", "-999999-999999"}) try {
+      parse_frames(text);
+      ADD_FAILURE() << text;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::bad_usage);
+      EXPECT_THAT(e.what(), HasSubstr("accepted: at most 100000 frames")) << text;
+    }
 }
 
 TEST(Patterns, HaveOnePlaceForANumber) {

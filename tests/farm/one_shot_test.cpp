@@ -140,7 +140,8 @@ TEST_P(OneShot, AfterACutNothingOfTheFrameBeforeIsSeen) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Filters, OneShot,
-                         ::testing::Values("svgf:levels=2,history=on", "atrous:levels=2,history=on"));
+                         ::testing::Values("svgf:levels=2,history=on", "atrous:levels=2,history=on",
+                                           "bmfr:block=8,history=on,taa=on"));
 
 // Renders nothing of some frames.
 class FailingRunner : public TaskRunner {
