@@ -122,6 +122,18 @@ TEST_F(Program, BadUsageIsExitCode2AndSaysWhatIsAccepted) {
   expect_usage({"rendr"}, "did you mean 'render'?");
 }
 
+TEST_F(Program, SaysThatFewerThanEightSamplesAreNotTaken) {
+  const auto said = [&](const char* samples) {
+    const Outcome outcome = run(
+        {"render", furnace_, "-o", path("x.exr"), "--width", "16", "--height", "16", "--samples", samples});
+    EXPECT_EQ(outcome.code, 0) << outcome.text;
+    return outcome.text;
+  };
+  EXPECT_THAT(said("1"), HasSubstr("--samples 1: at least 8 are taken"));
+  EXPECT_THAT(said("4"), HasSubstr("--samples 4: at least 8 are taken"));
+  EXPECT_THAT(said("8"), testing::Not(HasSubstr("at least")));
+}
+
 TEST_F(Program, AFrameThatCannotFitInMemoryIsExitCode4BeforeAnythingIsRendered) {
   const Outcome outcome =
       run({"render", furnace_, "-o", path("x.exr"), "--width", "65536", "--height", "65536"});

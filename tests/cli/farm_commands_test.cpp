@@ -202,6 +202,10 @@ TEST_F(FarmCommands, DenoiseToTheSameBitsThoughTheCoordinatorIsKilled) {
 }
 
 TEST_F(FarmCommands, SayWhatIsWrong) {
+  EXPECT_THAT(command(job("few", {"--samples", "1"})).text, HasSubstr("--samples 1: at least 8 are taken"));
+  const Outcome many = command(job("many", {"--frames", "0-999999"}));
+  EXPECT_EQ(many.code, 2) << many.text;
+  EXPECT_THAT(many.text, HasSubstr("accepted: at most 100000 frames"));
   EXPECT_EQ(command({"jobs", "nobody"}).code, 3);
   EXPECT_EQ(command({"cancel", "nobody"}).code, 3);
   EXPECT_EQ(command({"remove", "nobody"}).code, 3);

@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "core/sequence.h"
 #include "proto/codec.h"
 #include "tests/proto/question_samples.h"
 
@@ -102,12 +103,15 @@ TEST(SubmissionCodec, EqualSubmissionsAreEqualBytes) {
   EXPECT_EQ(encode(decode_submission(encode(sample_submission()))), encode(sample_submission()));
 }
 
-TEST(SubmissionCodec, AMillionFramesAndNamesTravel) {
+TEST(SubmissionCodec, TheMostFramesAndNamesTravelAndOneFrameMoreDoesNot) {
   Submission s = sample_submission();
-  s.frames.resize(1'000'000);
-  for (int i = 0; i < 1'000'000; ++i) s.frames[i] = i - 500'000;
+  s.frames.resize(kMaxFrames);
+  for (int i = 0; i < kMaxFrames; ++i) s.frames[i] = i - kMaxFrames / 2;
   s.names.objects.assign(1 << 20, "chair 00000000");
   EXPECT_EQ(decode_submission(encode(s)), s);
+  s.frames.push_back(kMaxFrames);
+  EXPECT_THROW(decode_submission(encode(s)), Error);
+  EXPECT_THAT([&] { validate(s); }, ThrowsMessage<Error>(HasSubstr("1 to 100000")));
 }
 
 TEST(SubmissionCodec, MoreNamesThanABlobHoldsAreRefusedWithWhatIsAccepted) {

@@ -201,7 +201,7 @@ TEST_F(Histories, OfAFirstFrameChangeNothingButWhatIsKept) {
 TEST_F(Histories, LeaveNoGhostOfWhatCannotBeSeenAnyMore) {
   const Region frame{0, 0, 61, 47};
   for (const FilterCase& c : cases()) {
-    const FilterPlan plan = parse_filter(c.text);
+    const FilterPlan plan = without_history(parse_filter(c.text));  // the same, be there a history or none
     const Image history = kept(plan, filtered_and_kept(plan, made_up_input(plan, frame, "firefly")));
     Image input = made_up_input(plan, frame, "noise", 2);
     for (const float away : {1e4f, -64.0f, kSkyDepth, std::numeric_limits<float>::quiet_NaN()}) {
@@ -216,7 +216,7 @@ TEST_F(Histories, ThatAreNoNumbersAreNone) {
   const Region frame{0, 0, 61, 47};
   for (const FilterCase& c : cases()) {
     if (c.taa) continue;  // of two histories one is left
-    const FilterPlan plan = parse_filter(c.text);
+    const FilterPlan plan = without_history(parse_filter(c.text));  // the same, be there a history or none
     const Image input = made_up_input(plan, frame, "noise", 2), first = filtered_and_kept(plan, input);
     const Image good = kept(plan, filtered_and_kept(plan, made_up_input(plan, frame, "noise", 1)));
     for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),

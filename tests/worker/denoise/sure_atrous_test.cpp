@@ -23,11 +23,10 @@ class SureAtrous : public OnDevice {
     for (int k = 0; k < input.planes(); ++k)
       for (int y = region.y0; y < region.y1; ++y)
         for (int x = region.x0; x < region.x1; ++x) input.at(k, x, y) = value(inputs[k], x, y);
-    for (int c = 0; c < 3; ++c) {
+    for (int c = 0; c < 3; ++c)
       for (float& v : input.plane(plane_of(plan, Aov::color, c))) v = noise(random);
-      std::ranges::fill(input.plane(plane_of(plan, Aov::color, c, Statistic::variance_of_mean)),
-                        stated_variance);
-    }
+    for (int k = 0; k < input.planes(); ++k)
+      if (inputs[k].statistic == Statistic::variance_of_mean) std::ranges::fill(input.plane(k), stated_variance);
     return input;
   }
   static float value(const Channel& c, int x, int y) {
